@@ -1,0 +1,11 @@
+// The command as it was typed, quoted for a shell, for run.yaml.
+#pragma once
+
+#include <string>
+
+namespace slammot {
+
+void remember_command_line(int argc, const char* const* argv);
+const std::string& command_line();
+
+}  // namespace slammot

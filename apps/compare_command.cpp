@@ -1,0 +1,128 @@
+// slammot compare [SEQUENCE]: estimators side by side, a table and a report. The main job.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "slammot/apps/command_line.h"
+#include "slammot/apps/commands.h"
+#include "slammot/apps/configuration_options.h"
+#include "slammot/apps/progress.h"
+#include "slammot/apps/sequence_source.h"
+#include "slammot/datasets/reader.h"
+#include "slammot/eval/compare.h"
+#include "slammot/eval/metrics_table.h"
+#include "slammot/eval/registry.h"
+#include "slammot/eval/report_generator.h"
+
+namespace slammot {
+namespace {
+
+struct CompareArguments {
+  std::string sequence;
+  std::string output;
+  std::vector<std::string> estimators = {"ekf", "window"};
+  std::vector<std::string> landmarks = {"dynamic_inverse_depth", "scaled_velocity"};
+  ScenarioOptions scenario;
+  ConfigurationOptions configuration;
+};
+
+std::filesystem::path output_folder(const CompareArguments& arguments) {
+  if (!arguments.output.empty()) return arguments.output;
+  const std::filesystem::path sequence =
+      std::filesystem::path(arguments.sequence).lexically_normal();
+  const auto name =
+      sequence.has_filename() ? sequence.filename() : sequence.parent_path().filename();
+  return std::filesystem::path("slammot-out") /
+         ("compare-" + (arguments.sequence.empty() ? arguments.scenario.scenario : name.string()));
+}
+
+// A landmark model that was set in the configuration is the only one compared.
+std::vector<std::string> landmarks_compared(const CompareArguments& arguments,
+                                            const std::vector<Assignment>& set,
+                                            const Configuration& configuration) {
+  const bool stated =
+      std::any_of(set.begin(), set.end(), [](const auto& a) { return a.key == "landmark"; });
+  return stated ? std::vector{configuration.model.landmark} : arguments.landmarks;
+}
+
+Sequence obtain(const CompareArguments& arguments, const std::filesystem::path& output) {
+  if (!arguments.sequence.empty()) return read_sequence(arguments.sequence);
+  fmt::print("simulating scenario {}, seed {}\n", arguments.scenario.scenario,
+             arguments.scenario.seed);
+  return simulate_to(arguments.scenario, output / "sequence");
+}
+
+int finish(const std::vector<ComparedResult>& results, const std::filesystem::path& output) {
+  fmt::print("\n{}\n", metrics_table(results));
+  std::fflush(stdout);
+  const bool diverged = std::any_of(results.begin(), results.end(),
+                                    [](const auto& r) { return r.metrics.diverged.has_value(); });
+  const std::optional<std::filesystem::path> report = write_compare_report(output);
+  if (!report) {
+    fmt::print(stderr,
+               "slammot: no report: the generator is missing or failed; the runs are in {}\n",
+               output.string());
+    return 1;
+  }
+  fmt::print("{}\n", report->string());
+  return diverged ? 1 : 0;
+}
+
+int execute(CompareArguments arguments) {
+  for (const std::string& name : arguments.estimators) find_estimator(name);
+  std::vector<Assignment> set;
+  const Configuration configuration = configuration_from(arguments.configuration, &set);
+  const auto landmarks = landmarks_compared(arguments, set, configuration);
+  if (arguments.scenario.scenario.empty()) arguments.scenario.scenario = "circle";
+  const std::filesystem::path output = output_folder(arguments);
+  const Sequence sequence = selected(obtain(arguments, output), configuration.frames);
+  fmt::print("{}: {} frames, {} estimators x {} landmark models\n", sequence.name,
+             sequence.frames.size(), arguments.estimators.size(), landmarks.size());
+  Progress progress;
+  CompareOptions options;
+  options.output = output;
+  options.command = command_line();
+  if (arguments.sequence.empty()) options.seed = arguments.scenario.seed;
+  options.progress = [&](const std::string& label, int done, int total) {
+    progress.show(label, done, total);
+  };
+  const auto results =
+      compare(sequence, configuration, crossed(arguments.estimators, landmarks), options);
+  progress.clear();
+  return finish(results, output);
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<CompareArguments>();
+  CLI::App* command = app.add_subcommand(
+      "compare", "estimators side by side on one sequence: a table and report.html");
+  auto* sequence = command->add_option("SEQUENCE", arguments->sequence,
+                                       "folder with the sequence; without it one is simulated");
+  command->add_option("--output", arguments->output, "folder for the runs and the report")
+      ->type_name("DIR");
+  command->add_option("--estimator", arguments->estimators, "may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_option("--landmark", arguments->landmarks, "landmark model; may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_option("--scenario", arguments->scenario.scenario, "simulate this one (circle)")
+      ->type_name("NAME")
+      ->excludes(sequence);
+  command->add_option("--seed", arguments->scenario.seed, "of the simulation")
+      ->excludes(sequence)
+      ->capture_default_str();
+  command->add_option("--scenario-set", arguments->scenario.settings, "a parameter of the scenario")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false)
+      ->excludes(sequence);
+  add_configuration_options(*command, arguments->configuration);
+  command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
+}
+
+}  // namespace slammot

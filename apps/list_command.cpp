@@ -1,0 +1,50 @@
+// slammot list WHAT: the rows of the tables by which things are named.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "slammot/apps/commands.h"
+#include "slammot/datasets/reader.h"
+#include "slammot/datasets/scenario.h"
+#include "slammot/eval/model_names.h"
+#include "slammot/eval/registry.h"
+
+namespace slammot {
+namespace {
+
+template <typename Table>
+void print_table(const Table& table) {
+  for (const auto& row : table) fmt::print("{:<22} {}\n", row.name, row.description);
+}
+
+struct Listing {
+  const char* what;
+  void (*print)();
+};
+
+constexpr Listing kListings[] = {
+    {"estimators", [] { print_table(estimator_table()); }},
+    {"landmarks", [] { print_table(landmark_list()); }},
+    {"motions", [] { print_table(motion_list()); }},
+    {"classifiers", [] { print_table(classifier_list()); }},
+    {"scenarios", [] { print_table(scenario_table()); }},
+    {"readers", [] { print_table(reader_table()); }},
+};
+
+}  // namespace
+
+void add_list(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("list", "what can be named: estimators, landmarks, ...");
+  auto what = std::make_shared<std::string>();
+  std::vector<std::string> choices;
+  for (const Listing& listing : kListings) choices.emplace_back(listing.what);
+  command->add_option("WHAT", *what, "which table")->required()->check(CLI::IsMember(choices));
+  command->callback([what, &exit_code] {
+    for (const Listing& listing : kListings) {
+      if (*what == listing.what) listing.print();
+    }
+    exit_code = 0;
+  });
+}
+
+}  // namespace slammot

@@ -1,0 +1,54 @@
+// slammot: filter or smoother? Exit codes: 0 done, 1 the run failed, 2 bad usage or bad input.
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+
+#include "slammot/apps/command_line.h"
+#include "slammot/apps/commands.h"
+#include "slammot/datasets/sequence.h"
+
+extern "C" void openblas_set_num_threads(int);
+
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kBadUsage = 2;
+
+int complain(const char* reason, int exit_code) {
+  std::fprintf(stderr, "slammot: %s\n", reason);
+  return exit_code;
+}
+
+int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
+  try {
+    app.parse(argc, argv);
+    return exit_code;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kBadUsage;  // --help is an exception too
+  } catch (const slammot::InputError& error) {
+    return complain(error.what(), kBadUsage);
+  } catch (const std::invalid_argument& error) {
+    return complain(error.what(), kBadUsage);
+  } catch (const std::exception& error) {
+    return complain(error.what(), kFailed);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  openblas_set_num_threads(1);  // so that no result depends on the machine's number of cores
+  slammot::remember_command_line(argc, argv);
+  CLI::App app{
+      "Monocular SLAM with moving objects: filters and smoothers side by side, and judged"};
+  app.name("slammot");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", SLAMMOT_VERSION);
+  int exit_code = 0;
+  slammot::add_compare(app, exit_code);
+  slammot::add_run(app, exit_code);
+  slammot::add_simulate(app, exit_code);
+  slammot::add_evaluate(app, exit_code);
+  slammot::add_list(app, exit_code);
+  return parse_and_run(app, argc, argv, exit_code);
+}

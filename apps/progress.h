@@ -1,0 +1,29 @@
+// Progress on a terminal: what is done, frames a second, and the time left. Silent when stderr is
+// not a terminal.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace slammot {
+
+class Progress {
+ public:
+  Progress();
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void show(const std::string& label, int done, int total);
+  void clear();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool on_terminal_;
+  std::string label_;
+  Clock::time_point start_;
+  Clock::time_point shown_;
+};
+
+}  // namespace slammot

@@ -1,0 +1,75 @@
+// slammot run SEQUENCE --estimator NAME: one estimator, one run folder.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "slammot/apps/command_line.h"
+#include "slammot/apps/commands.h"
+#include "slammot/apps/configuration_options.h"
+#include "slammot/apps/progress.h"
+#include "slammot/apps/sequence_source.h"
+#include "slammot/datasets/reader.h"
+#include "slammot/eval/metrics_table.h"
+#include "slammot/eval/registry.h"
+#include "slammot/eval/run_writer.h"
+
+namespace slammot {
+namespace {
+
+struct RunArguments {
+  std::string sequence;
+  std::string estimator;
+  std::string output;
+  std::string landmarks = "final";
+  ConfigurationOptions configuration;
+};
+
+int execute(const RunArguments& arguments) {
+  const EstimatorRow& row = find_estimator(arguments.estimator);  // before anything slow
+  const Configuration configuration = configuration_from(arguments.configuration);
+  const Sequence sequence = selected(read_sequence(arguments.sequence), configuration.frames);
+  const std::string output = arguments.output.empty()
+                                 ? fmt::format("slammot-out/run-{}-{}", sequence.name, row.name)
+                                 : arguments.output;
+  Progress progress;
+  DriveOptions options;
+  options.landmarks_every_frame = arguments.landmarks == "every-frame";
+  options.progress = [&](int done, int total) { progress.show(arguments.estimator, done, total); };
+  const RunResult run = run_estimator(sequence, configuration, arguments.estimator, options);
+  progress.clear();
+  const Configuration effective =
+      effective_configuration(sequence, configuration, arguments.estimator);
+  const RunMetrics metrics = compute_metrics(sequence, run, effective.model.gate_probability);
+  write_run(output,
+            {command_line(), arguments.estimator, sequence.folder, sequence.name, sequence.sha256,
+             std::nullopt, effective},
+            run, metrics);
+  fmt::print("{}{}\n",
+             metrics_table({{output, arguments.estimator, effective.model.landmark, metrics}}),
+             output);
+  if (!run.diverged) return 0;
+  fmt::print(stderr, "slammot: diverged at frame {}: {}\n", run.diverged->frame,
+             run.diverged->reason);
+  return 1;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command = app.add_subcommand("run", "run one estimator on a sequence");
+  command->add_option("SEQUENCE", arguments->sequence, "folder with the sequence")->required();
+  command->add_option("--estimator", arguments->estimator, "see `slammot list estimators`")
+      ->type_name("NAME")
+      ->required();
+  command->add_option("--output", arguments->output, "folder for the run")->type_name("DIR");
+  command
+      ->add_option("--landmarks", arguments->landmarks,
+                   "rows of landmarks.csv: the final state "
+                   "of each, or all of every frame")
+      ->check(CLI::IsMember({"final", "every-frame"}));
+  add_configuration_options(*command, arguments->configuration);
+  command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
+}
+
+}  // namespace slammot

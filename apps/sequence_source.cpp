@@ -1,0 +1,30 @@
+#include "slammot/apps/sequence_source.h"
+
+#include <stdexcept>
+
+#include "slammot/datasets/native_writer.h"
+#include "slammot/datasets/reader.h"
+#include "slammot/datasets/scenario.h"
+
+namespace slammot {
+
+Sequence simulate_to(const ScenarioOptions& options, const std::filesystem::path& folder) {
+  ScenarioOverrides overrides;
+  for (const std::string& text : options.settings) {
+    const Assignment assignment = parse_assignment(text);
+    overrides[assignment.key] = assignment.value;
+  }
+  write_native(simulate(options.scenario, overrides, options.seed), folder);
+  return read_sequence(folder);
+}
+
+Sequence selected(Sequence sequence, const FrameSelection& frames) {
+  const std::string name = sequence.name;
+  Sequence result = select_frames(std::move(sequence), frames.first, frames.last, frames.step);
+  if (result.frames.empty()) {
+    throw std::invalid_argument("frames.first and frames.last leave no frame of " + name);
+  }
+  return result;
+}
+
+}  // namespace slammot

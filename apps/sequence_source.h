@@ -1,0 +1,29 @@
+// Where a command's sequence comes from: a folder, or a scenario that is simulated.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slammot/datasets/sequence.h"
+#include "slammot/eval/configuration.h"
+
+namespace slammot {
+
+struct ScenarioOptions {
+  std::string scenario;
+  std::uint64_t seed = 1;
+  std::vector<std::string> settings;
+};
+
+// Simulates, writes the sequence to `folder` and reads it back, so that what is run is what is
+// stored.
+Sequence simulate_to(const ScenarioOptions& options, const std::filesystem::path& folder);
+
+// The frames that the configuration selects; throws std::invalid_argument if none is left.
+Sequence selected(Sequence sequence, const FrameSelection& frames);
+
+}  // namespace slammot

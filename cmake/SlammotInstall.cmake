@@ -1,0 +1,31 @@
+# What `cmake --install` lays down: the libraries with their headers as an exported package, so that
+# another project can find_package(slammot), and what the program reads at run time.
+include(CMakePackageConfigHelpers)
+
+set(SLAMMOT_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/slammot)
+
+get_property(libraries GLOBAL PROPERTY SLAMMOT_LIBRARIES)
+install(TARGETS ${libraries} slammot_blas EXPORT slammotTargets
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(EXPORT slammotTargets NAMESPACE slammot:: DESTINATION ${SLAMMOT_CMAKE_DIR})
+
+configure_package_config_file(
+  ${CMAKE_CURRENT_LIST_DIR}/slammotConfig.cmake.in ${PROJECT_BINARY_DIR}/slammotConfig.cmake
+  INSTALL_DESTINATION ${SLAMMOT_CMAKE_DIR})
+write_basic_package_version_file(
+  ${PROJECT_BINARY_DIR}/slammotConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/slammotConfig.cmake
+              ${PROJECT_BINARY_DIR}/slammotConfigVersion.cmake
+        DESTINATION ${SLAMMOT_CMAKE_DIR})
+
+foreach(folder models filters smoothers datasets eval)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/
+          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slammot/${folder}
+          FILES_MATCHING PATTERN "*.h")
+endforeach()
+
+# Not byte code; studies only once there are some.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/eval/report
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/slammot PATTERN "__pycache__" EXCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/eval/studies
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/slammot OPTIONAL PATTERN "__pycache__" EXCLUDE)

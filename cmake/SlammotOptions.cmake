@@ -1,0 +1,51 @@
+# How our own code is compiled, and the one function that declares a library of ours.
+option(SLAMMOT_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+option(SLAMMOT_BUILD_BENCHMARKS "Build the benchmarks" ${PROJECT_IS_TOP_LEVEL})
+option(SLAMMOT_WARNINGS_AS_ERRORS "Treat warnings in our code as errors" ${PROJECT_IS_TOP_LEVEL})
+set(SLAMMOT_SANITIZE "" CACHE STRING "Sanitizers, as in -fsanitize=")
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
+
+include(GNUInstallDirs)
+
+# Headers are included as "slammot/models/...", in the build tree as after installation.
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
+file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/include/slammot SYMBOLIC)
+
+function(slammot_compile_options target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow)
+  if(SLAMMOT_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(SLAMMOT_SANITIZE)
+    target_compile_options(${target} PUBLIC -fsanitize=${SLAMMOT_SANITIZE} -fno-omit-frame-pointer)
+    target_link_options(${target} PUBLIC -fsanitize=${SLAMMOT_SANITIZE})
+  endif()
+endfunction()
+
+# slammot_library(models SOURCES a.cpp ... LINKS lib ...)
+function(slammot_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  add_library(slammot_${name} STATIC ${ARG_SOURCES})
+  add_library(slammot::${name} ALIAS slammot_${name})
+  set_target_properties(slammot_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(slammot_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_compile_features(slammot_${name} PUBLIC cxx_std_20)
+  target_link_libraries(slammot_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
+  slammot_compile_options(slammot_${name})
+  set_property(GLOBAL APPEND PROPERTY SLAMMOT_LIBRARIES slammot_${name})
+endfunction()

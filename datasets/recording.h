@@ -1,0 +1,52 @@
+// A simulated camera that looks at a scene of points: visibility, pixels with noise, and the truth.
+//
+// A point is seen when its noise-free projection lies inside the image at a depth (z) within
+// limits; the noisy pixel is recorded, even if it lies outside.
+#pragma once
+
+#include "slammot/datasets/parameters.h"
+#include "slammot/datasets/sequence.h"
+
+namespace slammot {
+
+struct RecordingOptions {
+  int frames = 600;
+  double rate = 15.0;  // [Hz]
+  int width = 640, height = 480;
+  double field_of_view_deg = 79.48;    // horizontal
+  double noise = 1.0;                  // simulated [px]
+  std::optional<double> stated_noise;  // as `noise` when not set
+  double min_depth = 0.5, max_depth = 12.0;
+
+  double dt() const { return 1.0 / rate; }
+  double time(int frame) const { return frame / rate; }
+};
+Parameters parameters(RecordingOptions& options);
+
+// A point on a straight line: at rest, or moving for ever.
+struct ScenePoint {
+  int track = 0;
+  Eigen::Vector3d position;  // W, at time 0 [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  int from_frame = 0;  // not seen before
+
+  Eigen::Vector3d at(double time) const { return position + velocity * time; }
+  Label label() const { return velocity.isZero(0.0) ? Label::kStatic : Label::kMoving; }
+};
+
+// Pinhole with square pixels and the principal point in the middle.
+Camera simulated_camera(const RecordingOptions& options);
+
+// The noise-free pixel of a point that is seen.
+std::optional<Eigen::Vector2d> view(const Camera& camera, const RecordingOptions& options,
+                                    const CameraState& from, const Eigen::Vector3d& point);
+
+// A sequence without frames: camera and pixel sigma.
+Sequence blank_sequence(const RecordingOptions& options);
+
+// What a camera on `trajectory` (one state a frame) sees of points with increasing tracks.
+// Landmarks that are never seen have no truth.
+Sequence record(const RecordingOptions& options, const std::vector<CameraState>& trajectory,
+                const std::vector<ScenePoint>& points, std::uint64_t seed);
+
+}  // namespace slammot

@@ -1,0 +1,49 @@
+// Text files of rows: read whole, cut into fields in place, numbers by from_chars. What is wrong is
+// refused as InputError with file and line.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace slammot {
+
+// The content of a file; throws InputError if it is missing or cannot be read.
+std::string read_text_file(const std::filesystem::path& file);
+
+class TextTable {
+ public:
+  // `text` must outlive the table.
+  TextTable(std::filesystem::path file, std::string_view text);
+
+  // Cuts the next line into exactly `count` fields; false after the last line.
+  bool next_comma_row(size_t count);
+  // The same for fields between blanks, passing over empty lines and comments from '#'.
+  bool next_blank_row(size_t count);
+  bool next_blank_row();  // of any number of fields
+  // The next line must be one of these; returns which.
+  size_t expect_header(std::span<const std::string_view> headers);
+
+  size_t fields() const { return fields_.size(); }
+  std::string_view field(size_t i) const { return fields_[i]; }
+  double real(size_t i) const;  // finite
+  double positive(size_t i) const;
+  int count(size_t i) const;  // an integer >= 0
+
+  int line() const { return line_; }
+  void check_count(size_t count) const;  // refuses a line with another number of fields
+  [[noreturn]] void refuse(const std::string& reason) const;
+
+ private:
+  bool next_line();
+
+  std::filesystem::path file_;
+  std::string_view rest_;
+  std::string_view current_;
+  std::vector<std::string_view> fields_;
+  int line_ = 0;
+};
+
+}  // namespace slammot

@@ -1,0 +1,39 @@
+#include "slammot/eval/classification_table.h"
+
+#include "slammot/eval/statistics.h"
+
+namespace slammot {
+namespace {
+
+double ratio(int part, int whole) {
+  return whole == 0 ? kUndefined : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+}  // namespace
+
+double ClassCounts::wrongly_classified() const { return ratio(wrong, all()); }
+double ClassCounts::misclassified() const { return ratio(wrong + undecided, all()); }
+
+ClassificationMetrics classification_metrics(const std::vector<ClassificationRecord>& records) {
+  ClassificationMetrics metrics;
+  std::vector<double> frames_to_decision;
+  for (const ClassificationRecord& record : records) {
+    if (record.decision_frame) frames_to_decision.push_back(record.observations);
+    if (!record.truth) {
+      ++metrics.without_truth;
+      continue;
+    }
+    ClassCounts& counts = *record.truth == Label::kStatic ? metrics.statics : metrics.movings;
+    if (record.label == Label::kUnknown) {
+      ++counts.undecided;
+    } else if (record.label == *record.truth) {
+      ++counts.right;
+    } else {
+      ++counts.wrong;
+    }
+  }
+  metrics.median_frames_to_decision = median(frames_to_decision);
+  return metrics;
+}
+
+}  // namespace slammot

@@ -1,0 +1,37 @@
+#include "slammot/eval/evaluate.h"
+
+#include "slammot/datasets/reader.h"
+#include "slammot/eval/run_files.h"
+#include "slammot/eval/run_reader.h"
+
+namespace slammot {
+namespace {
+
+// The sequence judged against decides what is true, not the file of the run.
+void take_truth_from(const Sequence& sequence, std::vector<ClassificationRecord>& records) {
+  for (ClassificationRecord& record : records) {
+    const auto truth = sequence.landmarks.find(record.track);
+    record.truth.reset();
+    if (truth != sequence.landmarks.end()) record.truth = truth->second.label;
+  }
+}
+
+}  // namespace
+
+ComparedResult evaluate_run(const std::filesystem::path& folder,
+                            const std::optional<std::filesystem::path>& against) {
+  StoredRun stored = read_run(folder);
+  const std::optional<std::filesystem::path> path = against ? against : stored.sequence;
+  if (!path) {
+    throw InputError(folder / run_files::kDescription, 0,
+                     "names no sequence: give one with --against");
+  }
+  const Sequence sequence = read_sequence(*path);
+  take_truth_from(sequence, stored.run.classification);
+  std::string label = folder.filename().string();
+  if (label.empty()) label = folder.parent_path().filename().string();  // a trailing slash
+  return {label, stored.estimator.empty() ? label : stored.estimator, stored.landmark,
+          compute_metrics(sequence, stored.run, stored.gate_probability)};
+}
+
+}  // namespace slammot

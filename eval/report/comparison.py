@@ -1,0 +1,138 @@
+"""What a comparison's folder holds, as plain objects: compare.json and the files of its runs.
+
+null in compare.json means "not defined" and becomes None; a file that is missing is an empty one.
+"""
+import csv
+import json
+import math
+import pathlib
+from dataclasses import dataclass, field
+
+FORMAT = "slammot-compare-1"
+
+# Okabe and Ito's palette, told apart by every kind of colour vision; black is the truth's.
+RUN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31")
+
+
+class BadInput(Exception):
+    """One line: file and reason."""
+
+
+@dataclass
+class Run:
+    label: str
+    name: str  # what the page calls it
+    estimator: str
+    landmark: str
+    colour: str
+    metrics: dict
+    series: dict
+    smoothed_series: dict
+    configuration: dict
+    position_sigma: dict = field(default_factory=dict)  # timestamp: sqrt(trace(P_rr)) [m]
+    landmarks: list = field(default_factory=list)       # final: (track, label, x, y, z)
+
+    def metric(self, *path):
+        """A metric by its path in metrics.json, None where it is not defined."""
+        return dig(self.metrics, *path)
+
+    @property
+    def divergence(self):
+        return self.metric("divergence")
+
+
+@dataclass
+class Comparison:
+    command: str
+    version: str
+    sequence: dict
+    truth: dict
+    runs: list
+
+    @property
+    def has_truth(self):
+        return bool(self.truth.get("position"))
+
+
+def dig(tree, *path):
+    """tree[path[0]][path[1]]..., None as soon as something is absent or is not a finite number."""
+    for key in path:
+        if not isinstance(tree, dict):
+            return None
+        tree = tree.get(key)
+    if isinstance(tree, float) and not math.isfinite(tree):
+        return None
+    return tree
+
+
+def rows_of(path):
+    """The rows of a CSV file as dicts; comment lines start with #."""
+    if not path.is_file():
+        return []
+    with path.open(encoding="utf-8", newline="") as lines:
+        return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+def number(text):
+    """A finite number, or None."""
+    try:
+        value = float(text)
+    except (TypeError, ValueError):
+        return None
+    return value if math.isfinite(value) else None
+
+
+def read_position_sigma(path):
+    sigmas = {}
+    for row in rows_of(path):
+        timestamp = number(row.get("timestamp"))
+        variances = [number(row.get(name)) for name in ("p11", "p22", "p33")]
+        if timestamp is not None and all(v is not None and v >= 0.0 for v in variances):
+            sigmas[timestamp] = math.sqrt(sum(variances))
+    return sigmas
+
+
+def read_final_landmarks(path):
+    newest = {}
+    for row in rows_of(path):
+        position = [number(row.get(axis)) for axis in "xyz"]
+        if None not in position:
+            newest[row["track"]] = (row["track"], row["label"], *position)
+    return list(newest.values())
+
+
+def named(entries):
+    """`estimator · landmark model`, or the label where that does not tell the runs apart."""
+    names = [f"{e['estimator']} · {e['landmark']}" for e in entries]
+    return names if len(set(names)) == len(names) else [e["label"] for e in entries]
+
+
+def read_run(output, entry, name, colour):
+    folder = output / entry["folder"]
+    return Run(
+        label=entry["label"], name=name, estimator=entry["estimator"], landmark=entry["landmark"],
+        colour=colour, metrics=entry.get("metrics") or {}, series=entry.get("series") or {},
+        smoothed_series=entry.get("smoothed_series") or {},
+        configuration=entry.get("configuration") or {},
+        position_sigma=read_position_sigma(folder / "pose_covariance.csv"),
+        landmarks=read_final_landmarks(folder / "landmarks.csv"))
+
+
+def read_comparison(output):
+    path = pathlib.Path(output) / "compare.json"
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BadInput(f"{path}: {error.strerror}") from error
+    except ValueError as error:
+        raise BadInput(f"{path}: {error}") from error
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        raise BadInput(f"{path}: not in the format {FORMAT}")
+    try:
+        entries = content["runs"]
+        runs = [read_run(path.parent, entry, name, RUN_COLOURS[i % len(RUN_COLOURS)])
+                for i, (entry, name) in enumerate(zip(entries, named(entries)))]
+        return Comparison(command=content["command"], version=content["version"],
+                          sequence=content["sequence"], truth=content.get("truth") or {}, runs=runs)
+    except KeyError as error:
+        raise BadInput(f"{path}: the key {error} is missing") from error

@@ -1,0 +1,216 @@
+"""The figures of the page as Plotly takes them: {"data": traces, "layout": layout}.
+
+A run keeps its colour through all figures. A value that is not defined is None, which leaves a gap.
+"""
+import math
+
+NEES_DOF = 6
+NEES_INTERVAL = (1.237, 14.449)  # 95% of chi-square(6), two-sided
+INK, MUTED, GRID = "#1b1f24", "#6b7280", "#e7e9ec"
+BAND = "rgba(0, 0, 0, 0.07)"
+
+# Stages of a frame, lighter than the runs' colours so that nobody takes one for a run (Tol, "light").
+STAGE_COLOURS = ("#77AADD", "#EE8866", "#EEDD88", "#44BB99", "#FFAABB", "#99DDFF", "#BBCC33",
+                 "#AAAA00", "#DDDDDD")
+
+SYMBOLS = {"static": "circle", "moving": "diamond", "unknown": "circle-open"}
+
+
+def axis(title, **more):
+    return {"title": {"text": title, "standoff": 8}, "gridcolor": GRID, "zeroline": False,
+            "linecolor": "#9aa1aa", "ticks": "outside", "tickcolor": "#9aa1aa", "automargin": True,
+            **more}
+
+
+def layout(height, **more):
+    return {"height": height, "margin": {"l": 56, "r": 40, "t": 12, "b": 48},
+            "paper_bgcolor": "rgba(0,0,0,0)", "plot_bgcolor": "#ffffff",
+            "font": {"family": "system-ui, 'DejaVu Sans', sans-serif", "size": 13, "color": INK},
+            "modebar": {"orientation": "v", "bgcolor": "rgba(0,0,0,0)", "color": "#b3b9c1"},
+            "legend": {"orientation": "h", "yanchor": "bottom", "y": 1.02, "x": 0,
+                       "traceorder": "normal"},
+            "hovermode": "closest", **more}
+
+
+def line(name, x, y, colour, **more):
+    style = {"color": colour, "width": more.pop("width", 1.8), "dash": more.pop("dash", "solid")}
+    return {"type": "scatter", "mode": "lines", "name": name, "x": x, "y": y, "line": style, **more}
+
+
+def limits(values, margin=0.08):
+    low, high = min(values), max(values)
+    pad = margin * (high - low) or 1.0
+    return [low - pad, high + pad]
+
+
+def seconds(series, start):
+    return [t - start for t in series.get("timestamp", [])]
+
+
+def start_of(comparison):
+    times = [run.series["timestamp"][0] for run in comparison.runs if run.series.get("timestamp")]
+    return min(times, default=0.0)
+
+
+def sound(runs):
+    """The runs that may set a figure's scale: a diverged one would hide all others."""
+    return [run for run in runs if run.divergence is None] or runs
+
+
+def clean(values):
+    return [v for v in values if v is not None]
+
+
+# --- from above ------------------------------------------------------------------------------------
+
+def path_above(name, positions, colour, **more):
+    return line(name, [p[0] for p in positions], [p[2] for p in positions], colour, **more)
+
+
+def points_above(name, points, kinds, colour, **more):
+    marker = {"symbol": [SYMBOLS[kind] for kind in kinds], "color": colour, "size": 5, "opacity": 0.7}
+    return {"type": "scatter", "mode": "markers", "name": name, "marker": marker,
+            "x": [p[0] for p in points], "y": [p[2] for p in points], **more}
+
+
+def true_points(truth):
+    entries = sorted(truth["landmarks"], key=lambda entry: list(SYMBOLS).index(entry["class"]))
+    return points_above("true points", [e["last"] for e in entries], [e["class"] for e in entries],
+                        "#a8aeb6", text=[f"track {e['track']}, {e['class']}" for e in entries],
+                        legendrank=2000)
+
+
+def final_points(run, **more):
+    # In the order of the symbols, so that the legend shows a filled one.
+    ordered = sorted(run.landmarks, key=lambda mark: list(SYMBOLS).index(mark[1]))
+    tracks, labels, *position = zip(*ordered)
+    return points_above(f"points of {run.name}", list(zip(*position)), labels, run.colour,
+                        text=[f"track {t}, {label}" for t, label in zip(tracks, labels)],
+                        legendrank=2001, **more)
+
+
+def inner(landmarks):
+    """Positions without the outermost twentieth on every side, which may be as good as at infinity."""
+    cut = len(landmarks) // 20
+    kept = set.intersection(*(set(sorted(landmarks, key=lambda mark: mark[axis])[cut:-cut or None])
+                              for axis in (2, 4)))
+    return [mark[2:] for mark in kept]
+
+
+def trajectory(comparison):
+    truth = comparison.truth.get("position", [])
+    traces = [true_points(comparison.truth)] if comparison.truth.get("landmarks") else []
+    mapped = [run for run in comparison.runs if run.landmarks]
+    traces += [final_points(run, visible=True if run is mapped[0] else "legendonly")
+               for run in mapped]
+    if truth:
+        traces.append(path_above("truth", truth, "#000000", width=3.2))
+    for run in comparison.runs:
+        traces.append(path_above(run.name, run.series.get("position", []), run.colour))
+        if run.smoothed_series.get("position"):
+            traces.append(path_above(f"{run.name}, smoothed", run.smoothed_series["position"],
+                                     run.colour, dash="dash", visible="legendonly"))
+    framed = truth + [p for run in sound(comparison.runs) for p in run.series.get("position", [])]
+    framed += [entry["last"] for entry in comparison.truth.get("landmarks", [])]
+    framed += [p for run in sound(comparison.runs) for p in inner(run.landmarks)]
+    if not framed:
+        return None
+    return {"data": traces, "layout": layout(
+        640, legend={"x": 1.01, "y": 1, "xanchor": "left", "font": {"size": 12}},
+        margin={"l": 56, "r": 8, "t": 12, "b": 48},
+        modebar={"orientation": "h", "bgcolor": "rgba(0,0,0,0)", "color": "#b3b9c1"},
+        xaxis=axis("x [m]", range=limits([p[0] for p in framed]), constrain="domain"),
+        yaxis=axis("z [m]", range=limits([p[2] for p in framed]), scaleanchor="x", constrain="domain"))}
+
+
+# --- against time ----------------------------------------------------------------------------------
+
+def two_sigma(run):
+    times = run.series.get("timestamp", [])
+    return [2.0 * run.position_sigma[t] if t in run.position_sigma else None for t in times]
+
+
+def error_ceiling(comparison):
+    runs = sound(comparison.runs)
+    errors = [e for run in runs for e in clean(run.series.get("position_error_m", []))]
+    bounds = [b for run in runs for b in clean(two_sigma(run))]
+    return 1.08 * max(max(errors), min(max(bounds, default=0.0), 1.5 * max(errors))) or 1.0
+
+
+def position_error(comparison):
+    start = start_of(comparison)
+    traces = []
+    for run in comparison.runs:
+        errors = run.series.get("position_error_m", [])
+        if not clean(errors):
+            continue
+        times = seconds(run.series, start)
+        traces.append(line(run.name, times, errors, run.colour, legendgroup=run.label))
+        if clean(two_sigma(run)):
+            traces.append(line(f"{run.name}: 2σ", times, two_sigma(run), run.colour, dash="dot",
+                               width=1.3, legendgroup=run.label, showlegend=False))
+        smoothed = run.smoothed_series
+        if clean(smoothed.get("position_error_m", [])):
+            traces.append(line(f"{run.name}, smoothed", seconds(smoothed, start),
+                               smoothed["position_error_m"], run.colour, dash="dash",
+                               visible="legendonly"))
+    if not traces:
+        return None
+    return {"data": traces, "layout": layout(
+        380, xaxis=axis("time [s]"),
+        yaxis=axis("position error [m]", range=[0.0, error_ceiling(comparison)]))}
+
+
+def log_ticks(runs):
+    """1, 2 and 5 of every decade where there are few decades; otherwise Plotly's own choice."""
+    values = [v for run in runs for v in clean(run.series["nees_pose"]) if v > 0.0]
+    low, high = (math.floor(math.log10(f(values, default=1.0))) for f in (min, max))
+    if high - low > 3:
+        return {}
+    ticks = [step * 10.0 ** decade for decade in range(low, high + 1) for step in (1, 2, 5)]
+    return {"tickvals": ticks, "ticktext": [f"{tick:g}" for tick in ticks]}
+
+
+def nees(comparison):
+    start = start_of(comparison)
+    shown = [run for run in comparison.runs if clean(run.series.get("nees_pose", []))]
+    if not shown:
+        return None
+    last = max(seconds(run.series, start)[-1] for run in shown)
+    ends, (low, high) = [0.0, last], NEES_INTERVAL
+    traces = [
+        line("lower", ends, [low, low], MUTED, width=0, showlegend=False, hoverinfo="skip"),
+        line("95% interval of a consistent estimator", ends, [high, high], MUTED, width=0,
+             fill="tonexty", fillcolor=BAND, hoverinfo="skip"),
+        line(f"expected: {NEES_DOF}", ends, [NEES_DOF, NEES_DOF], INK, dash="dash", width=1.2)]
+    traces += [line(run.name, seconds(run.series, start), run.series["nees_pose"], run.colour, width=1.4)
+               for run in shown]
+    return {"data": traces, "layout": layout(
+        380, xaxis=axis("time [s]"), yaxis=axis("NEES of the pose", type="log", **log_ticks(shown)))}
+
+
+# --- cost ------------------------------------------------------------------------------------------
+
+def stages_of(run):
+    return {s["stage"]: s.get("median_ms") or 0.0
+            for s in run.metric("runtime", "stages") or [] if s["stage"] != "total"}
+
+
+def runtime(comparison):
+    runs = [run for run in comparison.runs if stages_of(run)]
+    if not runs:
+        return None
+    names = [run.name for run in runs]
+    stages = list(dict.fromkeys(stage for run in runs for stage in stages_of(run)))
+    traces = [{"type": "bar", "orientation": "h", "name": stage, "y": names,
+               "x": [stages_of(run).get(stage, 0.0) for run in runs],
+               "marker": {"color": STAGE_COLOURS[i % len(STAGE_COLOURS)]},
+               "hovertemplate": "%{y}<br>" + stage + ": %{x:.3g} ms<extra></extra>"}
+              for i, stage in enumerate(stages)]
+    totals = [sum(stages_of(run).values()) for run in runs]
+    notes = [{"x": total, "y": name, "text": f"{total:.3g} ms", "showarrow": False,
+              "xanchor": "left", "xshift": 6} for total, name in zip(totals, names)]
+    return {"data": traces, "layout": layout(
+        120 + 46 * len(runs), barmode="stack", bargap=0.35, annotations=notes,
+        xaxis=axis("median milliseconds a frame", range=[0.0, 1.15 * max(totals) or 1.0]),
+        yaxis=axis("", autorange="reversed", ticks=""))}

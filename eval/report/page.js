@@ -1,0 +1,40 @@
+// Unpacks Plotly and draws every figure of #charts into the element of its name. The number drawn, or
+// the first error, is left on <html> for whoever tests the page.
+"use strict";
+
+async function unpacked(id) {
+  const packed = atob(document.getElementById(id).textContent.trim());
+  const bytes = Uint8Array.from(packed, (character) => character.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Response(stream).text();
+}
+
+async function draw() {
+  const library = document.createElement("script");
+  library.textContent = await unpacked("plotly");
+  document.head.append(library);
+  const charts = JSON.parse(document.getElementById("charts").textContent);
+  const options = {responsive: true, displaylogo: false,
+                   modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"]};
+  for (const [name, figure] of Object.entries(charts)) {
+    await Plotly.newPlot(`chart-${name}`, figure.data, figure.layout, options);
+  }
+  return Object.keys(charts);
+}
+
+function fit(names, width) {
+  for (const name of names) Plotly.relayout(`chart-${name}`, width ? {width} : {autosize: true});
+}
+
+function complain(error) {
+  document.documentElement.dataset.error = String(error);
+  for (const chart of document.querySelectorAll(".chart")) {
+    chart.textContent = `This figure could not be drawn: ${error}`;
+  }
+}
+
+draw().then((names) => {
+  document.documentElement.dataset.drawn = String(names.length);
+  window.addEventListener("beforeprint", () => fit(names, 680));
+  window.addEventListener("afterprint", () => fit(names));
+}).catch(complain);

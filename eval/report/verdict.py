@@ -1,0 +1,172 @@
+"""The comparison in words, computed from its numbers. Each finding is (heading, sentences).
+
+One run of each estimator describes; it does not prove. The words are chosen accordingly.
+"""
+import math
+
+SAME = 0.03  # a relative difference below this is called none
+
+# NEES over its degrees of freedom, averaged over the frames of a run: what to call it.
+PESSIMISTIC, OVERCONFIDENT = 0.67, 1.5
+
+
+def rmse(run):
+    return run.metric("filtered", "accuracy", "position_rmse_m")
+
+
+def nees_ratio(run):
+    return run.metric("filtered", "nees", "pose", "mean_over_dof")
+
+
+def frame_ms(run):
+    return run.metric("runtime", "frame_median_ms")
+
+
+def ranked(runs, measure):
+    """(value, run) of the runs where it is defined, smallest first."""
+    return sorted(((measure(run), run) for run in runs if measure(run) is not None),
+                  key=lambda pair: pair[0])
+
+
+def listed(words):
+    return " and ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
+
+
+def times(ratio):
+    return f"{ratio:.2g} times" if ratio < 10 else f"{ratio:.0f} times"
+
+
+def metres(value):
+    return f"{value:.3g} m"
+
+
+def divergence(comparison):
+    lost = [run for run in comparison.runs if run.divergence is not None]
+    sentences = [f"{run.name} diverged at frame {run.divergence['frame']} "
+                 f"({run.divergence['reason']}); its numbers cover only the frames before."
+                 for run in lost]
+    return [("Diverged", sentences)] if lost else []
+
+
+def within_landmark_model(rows):
+    """The same landmark model under different estimators: the question this program is for."""
+    sentences = []
+    for landmark in dict.fromkeys(run.landmark for _, run in rows):
+        same = [(value, run) for value, run in rows if run.landmark == landmark]
+        if len({run.estimator for _, run in same}) < 2:
+            continue
+        (best, winner), (worst, loser) = same[0], same[-1]
+        gain = 1.0 - best / worst if worst > 0.0 else 0.0
+        sentences.append(
+            f"With {landmark}, {winner.estimator} and {loser.estimator} are equally accurate."
+            if gain < SAME else
+            f"With {landmark}, the error of {winner.estimator} is {100 * gain:.0f}% smaller than "
+            f"that of {loser.estimator}.")
+    return sentences
+
+
+def accuracy(comparison, runs):
+    rows = ranked(runs, rmse)
+    if not rows:
+        return [("Accuracy", ["Not known: the sequence has no ground truth."
+                              if not comparison.has_truth else "No run has a defined accuracy."])]
+    value, best = rows[0]
+    if len(rows) == 1:
+        return [("Accuracy", [f"{best.name} has a position RMSE of {metres(value)}, without alignment."])]
+    others = ", ".join(f"{run.name} {metres(v)}" for v, run in rows[1:])
+    return [("Accuracy", [f"{best.name} is the most accurate: position RMSE {metres(value)}, without "
+                          f"alignment ({others}).", *within_landmark_model(rows)])]
+
+
+def judged(ratio):
+    if ratio > OVERCONFIDENT:
+        return "overconfident"
+    return "pessimistic" if ratio < PESSIMISTIC else "believable"
+
+
+def consistency_of(run):
+    ratio = nees_ratio(run)
+    failures = run.metric("filtered", "nees", "pose", "covariances_not_positive_definite") or 0
+    if failures:
+        return f"{run.name} reports {failures} covariances that are not positive definite."
+    inside = run.metric("filtered", "nees", "pose", "fraction_inside")
+    text = (f"{run.name} is {judged(ratio)}: mean pose NEES {6 * ratio:.3g} (6 expected)")
+    if inside is not None:
+        text += f", {100 * inside:.0f}% of frames inside the 95% interval"
+    if judged(ratio) == "overconfident":
+        text += f"; its errors are about {times(math.sqrt(ratio))} what its covariance claims"
+    return text + "."
+
+
+def consistency(comparison, runs):
+    known = [run for run in runs
+             if nees_ratio(run) is not None
+             or run.metric("filtered", "nees", "pose", "covariances_not_positive_definite")]
+    if not known:
+        reasons = {run.metric("filtered", "nees_reason") for run in runs} - {None, ""}
+        reason = listed(sorted(reasons)) if reasons else "no run has both a covariance and a truth"
+        return [("Consistency", [f"Not judged: {reason}."])]
+    known.sort(key=lambda run: nees_ratio(run) or math.inf)
+    return [("Consistency", [consistency_of(run) for run in known])]
+
+
+def right_ratio(run):
+    """Share of the landmarks with a known truth that carry the right label; both classes count."""
+    counts = [run.metric("classification", kind) or {} for kind in ("static", "moving")]
+    total = sum(c.get(name) or 0 for c in counts for name in ("right", "wrong", "undecided"))
+    return sum(c.get("right") or 0 for c in counts) / total if total else None
+
+
+def labels(runs):
+    rows = ranked(runs, right_ratio)
+    if not rows:
+        return []
+    (least, worst), (most, best) = rows[0], rows[-1]
+    text = f"{best.name} labels {100 * most:.0f}% of the points correctly"
+    if most - least >= SAME:
+        text += f", {worst.name} {100 * least:.0f}%"
+    elif len(rows) > 1:
+        text += "; the other does" if len(rows) == 2 else "; the others do"
+        text += " about as well"
+    return [("Labels", [text + "."])]
+
+
+def camera_rate(comparison):
+    """Frames a second of the sequence itself, from the longest run's series."""
+    spans = [(times_[-1] - times_[0]) / (frames[-1] - frames[0])
+             for run in comparison.runs
+             for times_, frames in [(run.series.get("timestamp", []), run.series.get("frame", []))]
+             if len(frames) > 1 and len(times_) == len(frames)]
+    return 1.0 / min(spans) if spans and min(spans) > 0.0 else None
+
+
+def cost(comparison, runs):
+    rows = ranked(runs, frame_ms)
+    if not rows:
+        return []
+    fastest, quick = rows[0]
+    slowest, slow = rows[-1]
+    if len(rows) == 1:
+        sentences = [f"{quick.name} takes {fastest:.3g} ms a frame (median)."]
+    elif slowest <= (1.0 + SAME) * fastest:
+        sentences = [f"All take about {slowest:.3g} ms a frame (median)."]
+    else:
+        more = f", {times(slowest / fastest)} as much" if fastest > 0.0 else ""
+        sentences = [f"{quick.name} is the cheapest with {fastest:.3g} ms a frame (median), "
+                     f"{slow.name} the most expensive with {slowest:.3g} ms{more}."]
+    rate = camera_rate(comparison)
+    if rate is not None:
+        late = [run.name for value, run in rows if value > 1000.0 / rate]
+        sentences.append(
+            f"At the camera's {rate:.3g} Hz ({1000.0 / rate:.3g} ms a frame) " +
+            (f"{listed(late)} cannot keep up." if late else "all keep up." if len(rows) > 1
+             else "it keeps up."))
+    return [("Cost", sentences)]
+
+
+def findings(comparison):
+    done = [run for run in comparison.runs if run.divergence is None]
+    if not done:
+        return divergence(comparison)
+    return [*divergence(comparison), *accuracy(comparison, done), *consistency(comparison, done),
+            *labels(done), *cost(comparison, done)]

@@ -1,0 +1,17 @@
+// Calls the report generator, a Python program that comes with the project.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+namespace slammot {
+
+// The folder that holds `report/`: the environment variable SLAMMOT_SHARE, else ../share/slammot
+// beside the program, else the source folder this was built from. Nothing if there is none.
+std::optional<std::filesystem::path> share_folder();
+
+// Writes `output`/report.html from `output`/compare.json. Returns its path, or nothing if the
+// generator is missing or failed (it says why on stderr).
+std::optional<std::filesystem::path> write_compare_report(const std::filesystem::path& output);
+
+}  // namespace slammot

@@ -1,0 +1,68 @@
+#include "slammot/eval/setup.h"
+
+namespace slammot {
+namespace {
+
+InitialCamera initial_camera(const Sequence& sequence, const InitialConfiguration& overrides) {
+  InitialCamera initial;
+  if (sequence.initial) {
+    initial = *sequence.initial;
+  } else if (!sequence.truth.empty() && sequence.truth.front()) {
+    initial.state.position = sequence.truth.front()->position;
+    initial.state.orientation = sequence.truth.front()->orientation;
+  }
+  initial.velocity_sigma = overrides.velocity_sigma.value_or(initial.velocity_sigma);
+  initial.angular_velocity_sigma =
+      overrides.angular_velocity_sigma.value_or(initial.angular_velocity_sigma);
+  return initial;
+}
+
+MotionNoise motion_noise(const Sequence& sequence, const MotionConfiguration& overrides) {
+  MotionNoise noise;
+  if (sequence.motion) {
+    noise.acceleration = sequence.motion->acceleration;
+    noise.angular_acceleration = sequence.motion->angular_acceleration;
+  }
+  noise.acceleration = overrides.acceleration.value_or(noise.acceleration);
+  noise.angular_acceleration = overrides.angular_acceleration.value_or(noise.angular_acceleration);
+  noise.discretisation = overrides.discretisation == "impulse" ? NoiseDiscretisation::kImpulse
+                                                               : NoiseDiscretisation::kWhiteNoise;
+  return noise;
+}
+
+LandmarkPrior landmark_prior(const Sequence& sequence, const PriorConfiguration& overrides) {
+  LandmarkPrior prior = sequence.prior.value_or(LandmarkPrior{});
+  prior.inverse_depth = overrides.inverse_depth.value_or(prior.inverse_depth);
+  prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
+  prior.max_speed = overrides.max_speed.value_or(prior.max_speed);
+  return prior;
+}
+
+}  // namespace
+
+Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
+  Setup setup;
+  setup.camera = sequence.camera;
+  setup.pixel_sigma = configuration.pixel_sigma.value_or(sequence.pixel_sigma);
+  setup.camera_noise = motion_noise(sequence, configuration.motion);
+  setup.prior = landmark_prior(sequence, configuration.prior);
+  setup.initial = initial_camera(sequence, configuration.initial);
+  setup.known = sequence.known;
+  for (const auto& [track, landmark] : sequence.landmarks) {
+    setup.true_labels[track] = landmark.label;
+  }
+  return setup;
+}
+
+Configuration resolve(const Sequence& sequence, Configuration configuration) {
+  const Setup setup = make_setup(sequence, configuration);
+  configuration.pixel_sigma = setup.pixel_sigma;
+  configuration.motion.acceleration = setup.camera_noise.acceleration;
+  configuration.motion.angular_acceleration = setup.camera_noise.angular_acceleration;
+  configuration.prior = {setup.prior.inverse_depth, setup.prior.inverse_depth_sigma,
+                         setup.prior.max_speed};
+  configuration.initial = {setup.initial.velocity_sigma, setup.initial.angular_velocity_sigma};
+  return configuration;
+}
+
+}  // namespace slammot

@@ -1,0 +1,19 @@
+// The EKF of the thesis: joint covariance of camera and all landmarks, undelayed initialisation.
+//
+// Per frame: predict, gate, update, classify, manage. Options: landmark model, classifier,
+// collapse, iterations. Errors: Diverged when a covariance stops being one.
+#pragma once
+
+#include <memory>
+
+#include "slammot/filters/ekf_options.h"
+#include "slammot/models/estimator.h"
+#include "slammot/models/options.h"
+
+namespace slammot {
+
+// Throws std::invalid_argument for an unknown landmark model or classifier.
+std::unique_ptr<Estimator> make_ekf(const Setup& setup, const ModelOptions& models,
+                                    const EkfOptions& options);
+
+}  // namespace slammot

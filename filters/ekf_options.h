@@ -1,0 +1,11 @@
+// What is particular to the EKF.
+#pragma once
+
+namespace slammot {
+
+struct EkfOptions {
+  int iterations = 1;    // 1: EKF; more: iterated EKF (Gauss-Newton steps on the same prior)
+  bool delayed = false;  // a landmark's measurements move nothing but itself until it is classified
+};
+
+}  // namespace slammot

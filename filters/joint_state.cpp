@@ -1,0 +1,59 @@
+#include "slammot/filters/joint_state.h"
+
+#include <algorithm>
+
+namespace slammot {
+
+void JointState::move(const Eigen::VectorXd& dx) {
+  camera = boxplus(camera, Vector12d(dx.head<kCameraDim>()));
+  for (auto& [frame, anchor] : anchors) anchor.position += dx.segment<3>(anchor.block.offset);
+  for (auto& [track, landmark] : landmarks) {
+    landmark.y += dx.segment<3>(landmark.block.offset);
+    if (landmark.is_free()) landmark.w += dx.segment<3>(landmark.w_block().offset);
+  }
+}
+
+void JointState::correct(const Eigen::VectorXd& dx) {
+  move(dx);
+  covariance.transform({kRotation, 3}, right_jacobian_so3(dx.segment<3>(kRotation)));
+}
+
+void JointState::remove_blocks(std::vector<StateBlock> blocks) {
+  std::sort(blocks.begin(), blocks.end(),
+            [](const StateBlock& a, const StateBlock& b) { return a.offset < b.offset; });
+  covariance.remove(blocks);
+  for (auto& [frame, anchor] : anchors) {
+    anchor.block.offset = shifted(anchor.block.offset, blocks);
+  }
+  for (auto& [track, landmark] : landmarks) {
+    landmark.block.offset = shifted(landmark.block.offset, blocks);
+  }
+}
+
+void JointState::remove_landmarks(const std::vector<int>& tracks) {
+  std::vector<StateBlock> blocks;
+  for (const int track : tracks) {
+    const auto landmark = landmarks.find(track);
+    blocks.push_back(landmark->second.block);
+    const auto anchor = anchors.find(landmark->second.anchor);
+    if (--anchor->second.landmarks == 0) {
+      blocks.push_back(anchor->second.block);
+      anchors.erase(anchor);
+    }
+    landmarks.erase(landmark);
+  }
+  remove_blocks(std::move(blocks));
+}
+
+void JointState::drop_motion(const std::vector<int>& tracks) {
+  std::vector<StateBlock> blocks;
+  for (const int track : tracks) {
+    FilterLandmark& landmark = landmarks.at(track);
+    blocks.push_back(landmark.w_block());
+    landmark.w.setZero();
+    landmark.block.dim = 3;
+  }
+  remove_blocks(std::move(blocks));
+}
+
+}  // namespace slammot

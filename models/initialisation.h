@@ -1,0 +1,32 @@
+// Undelayed initialisation (thesis 2.1.3, eq. 2.7): a landmark enters the state at its first pixel.
+//
+// Its anchor is the camera's position, its direction the pixel's, its inverse depth and motion the
+// prior's. The estimator adds the covariance J diag(P, R, sigma_rho^2, sigma_w^2) J' with these
+// Jacobians; a smoother states the same as a bearing factor and priors.
+#pragma once
+
+#include "slammot/models/camera.h"
+#include "slammot/models/inverse_depth.h"
+#include "slammot/models/measurement.h"
+
+namespace slammot {
+
+struct NewLandmark {
+  Eigen::Vector3d y;            // (theta, phi, rho0)
+  Matrix23d J_angles_rotation;  // d(theta, phi) / dtheta_camera
+  Eigen::Matrix2d J_angles_pixel;
+};
+
+// Nothing when the lens has no ray for the pixel, or the ray is vertical (phi = +-pi/2).
+std::optional<NewLandmark> initialise(const Camera& camera, const Eigen::Quaterniond& R,
+                                      const Eigen::Vector2d& pixel, double inverse_depth);
+
+// A landmark known beforehand, seen from an anchor: y and d y / d(position in W) (= -d y / d
+// anchor).
+struct NewKnownLandmark {
+  Eigen::Vector3d y;
+  Eigen::Matrix3d J_y_position;
+};
+NewKnownLandmark initialise_known(const KnownLandmark& known, const Eigen::Vector3d& anchor);
+
+}  // namespace slammot

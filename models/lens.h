@@ -1,0 +1,101 @@
+// Lens models on the normalised plane: pinhole, radial-tangential (Brown-Conrady, as OpenCV) and
+// equidistant (Kannala-Brandt, as OpenCV's fisheye).
+//
+// distort() is a template over its scalar; jacobian() is its derivative, 2x2. Both take x = (X/Z,
+// Y/Z).
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "slammot/models/so3.h"
+
+namespace slammot {
+
+struct PinholeLens {
+  static constexpr std::string_view kName = "pinhole";
+  std::array<double, 0> coefficients;
+
+  template <typename T>
+  Vector2<T> distort(const Vector2<T>& x) const {
+    return x;
+  }
+  Eigen::Matrix2d jacobian(const Eigen::Vector2d&) const { return Eigen::Matrix2d::Identity(); }
+};
+
+// k1, k2, p1, p2.
+struct RadtanLens {
+  static constexpr std::string_view kName = "radtan";
+  std::array<double, 4> coefficients{};
+
+  template <typename T>
+  Vector2<T> distort(const Vector2<T>& x) const {
+    const auto [k1, k2, p1, p2] = coefficients;
+    const T r2 = x.squaredNorm();
+    const T radial = T(1.0) + r2 * (T(k1) + r2 * T(k2));
+    const T xy = x.x() * x.y();
+    return Vector2<T>(x.x() * radial + T(2.0 * p1) * xy + T(p2) * (r2 + T(2.0) * x.x() * x.x()),
+                      x.y() * radial + T(p1) * (r2 + T(2.0) * x.y() * x.y()) + T(2.0 * p2) * xy);
+  }
+
+  Eigen::Matrix2d jacobian(const Eigen::Vector2d& x) const {
+    const auto [k1, k2, p1, p2] = coefficients;
+    const double r2 = x.squaredNorm();
+    const double radial = 1.0 + r2 * (k1 + r2 * k2);
+    const double slope = 2.0 * (k1 + 2.0 * k2 * r2);
+    Eigen::Matrix2d J = slope * x * x.transpose();
+    J(0, 0) += radial + 2.0 * p1 * x.y() + 6.0 * p2 * x.x();
+    J(1, 1) += radial + 6.0 * p1 * x.y() + 2.0 * p2 * x.x();
+    const double cross = 2.0 * (p1 * x.x() + p2 * x.y());
+    J(0, 1) += cross;
+    J(1, 0) += cross;
+    return J;
+  }
+};
+
+// k1 .. k4: theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8).
+struct EquidistantLens {
+  static constexpr std::string_view kName = "equidistant";
+  std::array<double, 4> coefficients{};
+
+  template <typename T>
+  Vector2<T> distort(const Vector2<T>& x) const {
+    using std::atan;
+    using std::sqrt;
+    const T r2 = x.squaredNorm();
+    if (r2 < T(kSmall)) {
+      // theta_d / r = 1 + (k1 - 1/3) r^2 + O(r^4)
+      return x * (T(1.0) + T(coefficients[0] - 1.0 / 3.0) * r2);
+    }
+    const T r = sqrt(r2);
+    const T theta = atan(r);
+    return x * (theta * polynomial(theta * theta) / r);
+  }
+
+  Eigen::Matrix2d jacobian(const Eigen::Vector2d& x) const {
+    const double r2 = x.squaredNorm();
+    if (r2 < kSmall) {
+      const double a = coefficients[0] - 1.0 / 3.0;
+      return (1.0 + a * r2) * Eigen::Matrix2d::Identity() + 2.0 * a * x * x.transpose();
+    }
+    const double r = std::sqrt(r2);
+    const double theta = std::atan(r);
+    const double t2 = theta * theta;
+    const auto [k1, k2, k3, k4] = coefficients;
+    const double slope = 1.0 + t2 * (3.0 * k1 + t2 * (5.0 * k2 + t2 * (7.0 * k3 + t2 * 9.0 * k4)));
+    const double scale = theta * polynomial(t2) / r;
+    const double d_scale = (slope / (1.0 + r2) - scale) / r;  // d scale / d r
+    return scale * Eigen::Matrix2d::Identity() + (d_scale / r) * x * x.transpose();
+  }
+
+ private:
+  static constexpr double kSmall = 1e-8;
+
+  template <typename T>
+  T polynomial(const T& t2) const {
+    const auto [k1, k2, k3, k4] = coefficients;
+    return T(1.0) + t2 * (T(k1) + t2 * (T(k2) + t2 * (T(k3) + t2 * T(k4))));
+  }
+};
+
+}  // namespace slammot

@@ -1,0 +1,48 @@
+// What an estimator is given for each frame, and what it is told about the sequence beforehand.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "slammot/models/camera_state.h"
+
+namespace slammot {
+
+// A tracked point in one image. Pixels, the centre of the top-left pixel is (0, 0).
+struct Observation {
+  int track = 0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+};
+
+struct Frame {
+  int index = 0;           // its number in the sequence, also where frames were left out
+  double timestamp = 0.0;  // [s], strictly increasing
+  std::vector<Observation> observations;  // each track at most once, in increasing order
+};
+
+// A landmark known beforehand; it fixes the scale. Position in W [m], one sigma for each axis [m].
+struct KnownLandmark {
+  int track = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  double sigma = 0.0;
+};
+
+// The camera before the first frame, with the standard deviation of each of its four parts.
+struct InitialCamera {
+  CameraState state;
+  double position_sigma = 1e-6;         // [m]
+  double rotation_sigma = 1e-6;         // [rad]
+  double velocity_sigma = 1.0;          // [m/s]
+  double angular_velocity_sigma = 1.0;  // [rad/s]
+};
+
+// What is known of the scene before it is seen; see DESIGN section 7 on what a wrong value does.
+struct LandmarkPrior {
+  double inverse_depth = 0.3;         // rho0 [1/m]
+  double inverse_depth_sigma = 0.15;  // sigma_rho [1/m]
+  double max_speed = 2.0;             // |v|max [m/s]; sigma_v = |v|max / 2, thesis (2.6)
+
+  double velocity_sigma() const { return max_speed / 2.0; }
+};
+
+}  // namespace slammot

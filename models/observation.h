@@ -1,0 +1,28 @@
+// Observation of a landmark (thesis 2.1.2, after Montiel et al. 2006): the pixel of the ray
+// R' (rho (a - r) + G), regular at rho = 0. All landmark models share it.
+#pragma once
+
+#include "slammot/models/camera.h"
+#include "slammot/models/inverse_depth.h"
+
+namespace slammot {
+
+template <typename T>
+Vector3<T> ray_camera(const Vector3<T>& r, const Eigen::Quaternion<T>& R, const Vector3<T>& anchor,
+                      const Vector3<T>& y) {
+  return R.conjugate() * ray_world(r, anchor, y);
+}
+
+struct ObservedPixel {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 6> J_pose;  // with respect to [dr (W), dtheta (C, right)]
+  Matrix23d J_anchor;
+  Matrix23d J_y;  // with respect to (theta, phi, rho)
+};
+
+// Nothing when the landmark lies behind the camera.
+std::optional<ObservedPixel> observe(const Camera& camera, const Eigen::Vector3d& r,
+                                     const Eigen::Quaterniond& R, const Eigen::Vector3d& anchor,
+                                     const Eigen::Vector3d& y);
+
+}  // namespace slammot

@@ -1,0 +1,37 @@
+// What all estimators share beyond the sequence's own statements: which models, which thresholds,
+// which policy. A difference between two estimators run with equal ModelOptions is a difference
+// between estimators.
+#pragma once
+
+#include <string>
+
+namespace slammot {
+
+// Admission, removal and the size of the map; see track_policy.h.
+struct TrackPolicy {
+  int max_landmarks = 1000;    // landmarks in the state at once; later births wait
+  int max_visible = 60;        // births wait while this many landmarks are being measured
+  int lost_after = 5;          // frames without an accepted measurement until a landmark is lost
+  std::string retain = "map";  // map: static landmarks stay for ever; window: they are lost too
+};
+
+struct ClassifierOptions {
+  std::string name = "thesis";    // a row of classifier_table()
+  double static_threshold = 1.6;  // t_s [(m/s)^-3], thesis (3.1)
+  double moving_threshold =
+      3.583;                     // t_m, thesis (3.2): sqrt of the 0.995 quantile of chi-square(3)
+  double static_factor = 100.0;  // bayes_factor: odds for v = 0 from which a landmark is static
+  double moving_factor = 0.01;   // bayes_factor: odds for v = 0 below which it is moving
+};
+
+struct ModelOptions {
+  std::string landmark = "dynamic_inverse_depth";  // a row of the estimators' landmark tables
+  std::string collapse =
+      "drop";  // on static: `drop` marginalises v (thesis), `condition` uses v = 0
+  double object_acceleration = 1.0;  // sigma of unknown and moving landmarks' acceleration [m/s^2]
+  double gate_probability = 0.95;    // of a correct measurement passing the chi-square gate
+  ClassifierOptions classifier;
+  TrackPolicy policy;
+};
+
+}  // namespace slammot

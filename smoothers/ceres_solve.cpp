@@ -1,0 +1,52 @@
+#include "slammot/smoothers/ceres_solve.h"
+
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include "slammot/models/estimator.h"
+
+namespace slammot {
+
+namespace {
+
+ceres::Problem::Options nothing_owned() {
+  ceres::Problem::Options options;
+  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  return options;
+}
+
+ceres::Solver::Options solver_options() {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.num_threads = 1;
+  options.max_num_iterations = 200;
+  options.function_tolerance = 1e-14;
+  options.parameter_tolerance = 1e-14;
+  options.gradient_tolerance = 1e-12;
+  options.use_nonmonotonic_steps = true;  // stiff motion factors: see optimise.h
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
+}  // namespace
+
+void solve_with_ceres(Graph& graph) {
+  ceres::Problem problem(nothing_owned());
+  for (const auto& [id, v] : graph.variables()) {
+    problem.AddParameterBlock(graph.data(id), static_cast<int>(v.value.size()),
+                              const_cast<ceres::Manifold*>(v.manifold));
+  }
+  for (const auto& [id, factor] : graph.factors()) {
+    std::vector<double*> blocks;
+    for (const VariableId v : factor.variables) blocks.push_back(graph.data(v));
+    problem.AddResidualBlock(factor.cost.get(), const_cast<ceres::LossFunction*>(factor.loss),
+                             blocks);
+  }
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver_options(), &problem, &summary);
+  if (!summary.IsSolutionUsable()) throw Diverged("the batch has no solution: " + summary.message);
+}
+
+}  // namespace slammot

@@ -1,0 +1,240 @@
+#include "slammot/smoothers/graph.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slammot/models/so3.h"
+
+namespace slammot {
+
+namespace {
+
+// What a measurement behind the camera costs: a candidate step that puts it there is refused.
+constexpr double kImpossible = 1e6;
+
+using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+std::vector<const double*> pointers(const std::vector<const SmallVector*>& values) {
+  std::vector<const double*> result;
+  for (const SmallVector* v : values) result.push_back(v->data());
+  return result;
+}
+
+}  // namespace
+
+SmallVector plus(const ceres::Manifold* manifold, const SmallVector& x, const SmallVector& d) {
+  if (!manifold) return x + d;
+  SmallVector y(x.size());
+  manifold->Plus(x.data(), d.data(), y.data());
+  return y;
+}
+
+SmallVector minus(const ceres::Manifold* manifold, const SmallVector& y, const SmallVector& x) {
+  if (!manifold) return y - x;
+  SmallVector d(manifold->TangentSize());
+  manifold->Minus(y.data(), x.data(), d.data());
+  return d;
+}
+
+VariableId Graph::add_variable(const Eigen::VectorXd& value, const ceres::Manifold* manifold,
+                               int owner) {
+  variables_[next_variable_] = {value, manifold, owner, std::nullopt};
+  return next_variable_++;
+}
+
+FactorId Graph::add_factor(std::vector<VariableId> variables,
+                           std::unique_ptr<ceres::CostFunction> cost,
+                           const ceres::LossFunction* loss) {
+  Factor& factor = factors_[next_factor_];
+  factor.variables = std::move(variables);
+  factor.cost = std::move(cost);
+  factor.loss = loss;
+  linearise(factor);
+  return next_factor_++;
+}
+
+void Graph::remove_variables(const std::set<VariableId>& ids) {
+  for (const VariableId id : ids) variables_.erase(id);
+}
+
+Graph::Values Graph::values() const {
+  Values values;
+  for (const auto& [id, v] : variables_) values[id] = v.value;
+  return values;
+}
+
+void Graph::restore(const Values& values) {
+  for (const auto& [id, value] : values) variables_.at(id).value = value;
+}
+
+void Graph::linearise() {
+  for (auto& [id, factor] : factors_) linearise(factor);
+}
+
+void Graph::linearise(Factor& factor) const {
+  const std::size_t n = factor.variables.size();
+  const int rows = factor.cost->num_residuals();
+  std::vector<const SmallVector*> here, there;
+  std::vector<RowMajorMatrix> ambient(n);
+  std::vector<double*> jacobians(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Variable& v = variables_.at(factor.variables[i]);
+    here.push_back(&v.value);
+    there.push_back(v.first ? &*v.first : &v.value);
+    ambient[i].resize(rows, v.value.size());
+    jacobians[i] = ambient[i].data();
+  }
+  factor.r.resize(rows);
+  SmallVector unused(rows);
+  bool valid = factor.cost->Evaluate(pointers(there).data(), unused.data(), jacobians.data());
+  valid = factor.cost->Evaluate(pointers(here).data(), factor.r.data(), nullptr) && valid;
+  factor.J.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Variable& v = variables_.at(factor.variables[i]);
+    if (!valid) {
+      factor.J[i].setZero(rows, v.dim());
+    } else if (v.manifold) {
+      RowMajorMatrix P(v.value.size(), v.dim());
+      v.manifold->PlusJacobian(there[i]->data(), P.data());
+      factor.J[i] = ambient[i] * P;
+    } else {
+      factor.J[i] = ambient[i];
+    }
+  }
+  if (!valid) factor.r.setZero();
+  if (valid && factor.loss) {  // iteratively reweighted: the loss's slope scales the residual
+    double rho[3];
+    factor.loss->Evaluate(factor.r.squaredNorm(), rho);
+    const double weight = std::sqrt(rho[1]);
+    factor.r *= weight;
+    for (SmallMatrix& J : factor.J) J *= weight;
+  }
+}
+
+double Graph::cost(const Step& step) const {
+  std::map<VariableId, SmallVector> moved;
+  for (const auto& [id, d] : step) {
+    const Variable& v = variables_.at(id);
+    moved[id] = plus(v.manifold, v.value, d);
+  }
+  const auto at = [&](VariableId id) {
+    const auto it = moved.find(id);
+    return it == moved.end() ? &variables_.at(id).value : &it->second;
+  };
+  double sum = 0.0;
+  for (const auto& [id, factor] : factors_) {
+    std::vector<const SmallVector*> values;
+    for (const VariableId v : factor.variables) values.push_back(at(v));
+    SmallVector r(factor.cost->num_residuals());
+    if (!factor.cost->Evaluate(pointers(values).data(), r.data(), nullptr)) {
+      sum += kImpossible;
+      continue;
+    }
+    double rho[3] = {r.squaredNorm(), 1.0, 0.0};
+    if (factor.loss) factor.loss->Evaluate(r.squaredNorm(), rho);
+    sum += rho[0];
+  }
+  if (prior_.cols() == 0) return 0.5 * sum;
+  Eigen::VectorXd d(prior_.cols());
+  for (std::size_t i = 0; i < prior_.variables.size(); ++i) {
+    const Variable& v = variables_.at(prior_.variables[i]);
+    d.segment(prior_.offsets[i], v.dim()) =
+        minus(v.manifold, *at(prior_.variables[i]), prior_.x0[i]);
+  }
+  return 0.5 * (sum + (prior_.R * d + prior_.r).squaredNorm());
+}
+
+SmallMatrix Graph::transport(const Variable& v, const SmallVector& x0) const {
+  SmallMatrix T = SmallMatrix::Identity(v.dim(), v.dim());
+  if (!v.manifold || first_estimates_) return T;
+  const SmallVector d = minus(v.manifold, v.value, x0);
+  T.topLeftCorner<3, 3>() = inverse_right_jacobian_so3(d.head<3>());
+  return T;
+}
+
+void Graph::move(const Step& step) {
+  std::map<VariableId, SmallMatrix> transports;
+  for (const auto& [id, d] : step) {
+    Variable& v = variables_.at(id);
+    const SmallVector before = v.value;
+    v.value = plus(v.manifold, v.value, d);
+    if (v.manifold) transports[id] = transport(v, before);
+  }
+  for (auto& [id, factor] : factors_) {
+    for (std::size_t i = 0; i < factor.variables.size(); ++i) {
+      const auto d = step.find(factor.variables[i]);
+      if (d == step.end()) continue;
+      factor.r.noalias() += factor.J[i] * d->second;
+      const auto T = transports.find(factor.variables[i]);
+      if (T != transports.end()) factor.J[i] = (factor.J[i] * T->second).eval();
+    }
+  }
+}
+
+void Graph::fix_at_zero(VariableId id) {
+  const auto it = std::find(prior_.variables.begin(), prior_.variables.end(), id);
+  if (it != prior_.variables.end()) {
+    const auto k = static_cast<std::size_t>(it - prior_.variables.begin());
+    const int offset = prior_.offsets[k];
+    const int dim = variables_.at(id).dim();
+    const int rest = prior_.cols() - offset - dim;
+    prior_.r.noalias() -= prior_.R.middleCols(offset, dim) * prior_.x0[k];
+    Eigen::MatrixXd R(prior_.R.rows(), prior_.cols() - dim);
+    R << prior_.R.leftCols(offset), prior_.R.rightCols(rest);
+    prior_.R = std::move(R);
+    Eigen::MatrixXd RtR(prior_.cols(), prior_.cols());
+    const auto& old = prior_.RtR;
+    RtR << old.topLeftCorner(offset, offset), old.topRightCorner(offset, rest),
+        old.bottomLeftCorner(rest, offset), old.bottomRightCorner(rest, rest);
+    prior_.RtR = std::move(RtR);
+    prior_.variables.erase(it);
+    prior_.offsets.erase(prior_.offsets.begin() + static_cast<std::ptrdiff_t>(k));
+    prior_.x0.erase(prior_.x0.begin() + static_cast<std::ptrdiff_t>(k));
+    for (std::size_t i = k; i < prior_.offsets.size(); ++i) prior_.offsets[i] -= dim;
+  }
+  variables_.erase(id);
+}
+
+Eigen::VectorXd Graph::prior_difference() const {
+  Eigen::VectorXd d(prior_.cols());
+  for (std::size_t i = 0; i < prior_.variables.size(); ++i) {
+    const Variable& v = variables_.at(prior_.variables[i]);
+    d.segment(prior_.offsets[i], v.dim()) = minus(v.manifold, v.value, prior_.x0[i]);
+  }
+  return d;
+}
+
+Eigen::MatrixXd Graph::prior_jacobian() const {
+  Eigen::MatrixXd J = prior_.R;
+  for (std::size_t i = 0; i < prior_.variables.size(); ++i) {
+    const Variable& v = variables_.at(prior_.variables[i]);
+    if (!v.manifold || first_estimates_) continue;
+    auto columns = J.middleCols(prior_.offsets[i], v.dim());
+    columns = (columns * transport(v, prior_.x0[i])).eval();
+  }
+  return J;
+}
+
+void Graph::set_prior(std::vector<VariableId> variables, Eigen::MatrixXd R, Eigen::VectorXd r) {
+  prior_ = {};
+  prior_.R = std::move(R);
+  prior_.r = std::move(r);
+  prior_.RtR.setZero(prior_.R.cols(), prior_.R.cols());
+  prior_.RtR.selfadjointView<Eigen::Lower>().rankUpdate(prior_.R.transpose());
+  prior_.RtR.triangularView<Eigen::StrictlyUpper>() = prior_.RtR.transpose();
+  int offset = 0;
+  for (const VariableId id : variables) {
+    Variable& v = variables_.at(id);
+    if (first_estimates_ && !v.first) v.first = v.value;
+    prior_.offsets.push_back(offset);
+    prior_.x0.push_back(v.value);
+    offset += v.dim();
+  }
+  prior_.variables = std::move(variables);
+}
+
+bool Graph::in_prior(VariableId id) const {
+  return std::find(prior_.variables.begin(), prior_.variables.end(), id) != prior_.variables.end();
+}
+
+}  // namespace slammot

@@ -1,0 +1,128 @@
+// The factor graph of a smoother: variables, factors that are Ceres cost functions, and one dense
+// prior in square-root form. Every factor keeps its last linearisation, expressed at the current
+// estimate; what is solved, marginalised and reported all comes from these same numbers.
+//
+// Why not ceres::Problem and ceres::Solve in the window: see docs/smoother.md. The batch uses both.
+#pragma once
+
+#include <ceres/cost_function.h>
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+
+#include <Eigen/Core>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+namespace slammot {
+
+inline constexpr int kMaxBlock = 12;  // residuals of a factor, numbers of a variable
+using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxBlock, 1>;
+using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxBlock, kMaxBlock>;
+
+using VariableId = int;
+using FactorId = int;
+
+struct Variable {
+  SmallVector value;
+  const ceres::Manifold* manifold = nullptr;  // null: Euclidean
+  int owner = -1;                    // the track whose private state it is, or -1 when shared
+  std::optional<SmallVector> first;  // first-estimate linearisation point, once a prior touches it
+
+  int dim() const { return manifold ? manifold->TangentSize() : static_cast<int>(value.size()); }
+};
+
+struct Factor {
+  std::vector<VariableId> variables;
+  std::unique_ptr<ceres::CostFunction> cost;
+  const ceres::LossFunction* loss = nullptr;
+  std::vector<SmallMatrix> J;  // by variable, residuals x dim, at the current estimate
+  SmallVector r;
+};
+
+// |R (x [-] x0) + r|^2 over its variables. Empty at first.
+struct LinearPrior {
+  std::vector<VariableId> variables;
+  std::vector<int> offsets;  // first column of each variable
+  std::vector<SmallVector> x0;
+  Eigen::MatrixXd R;
+  Eigen::VectorXd r;
+  Eigen::MatrixXd RtR;  // kept, because it is needed at every step
+
+  int cols() const { return static_cast<int>(R.cols()); }
+};
+
+// A correction of every variable, by id.
+using Step = std::map<VariableId, SmallVector>;
+
+class Graph {
+ public:
+  // `first_estimates`: Jacobians of variables that a prior touches stay at their first estimate.
+  explicit Graph(bool first_estimates) : first_estimates_(first_estimates) {}
+
+  VariableId add_variable(const Eigen::VectorXd& value, const ceres::Manifold* manifold, int owner);
+  // Adds a factor and linearises it at the current estimate.
+  FactorId add_factor(std::vector<VariableId> variables, std::unique_ptr<ceres::CostFunction> cost,
+                      const ceres::LossFunction* loss = nullptr);
+  void remove_factor(FactorId id) { factors_.erase(id); }
+
+  // Linearises all factors anew at the current estimate.
+  void linearise();
+
+  // Half the sum of squares (with losses) at x [+] step, prior included.
+  double cost(const Step& step) const;
+
+  // x := x [+] step. Stored linearisations are carried along: r += J dx, and J is expressed at the
+  // new estimate.
+  void move(const Step& step);
+
+  // w := 0 exactly: its factors must have been removed, the prior is conditioned on it.
+  void fix_at_zero(VariableId id);
+
+  // Takes out variables that no factor and no prior touches any more.
+  void remove_variables(const std::set<VariableId>& ids);
+
+  void set_value(VariableId id, const SmallVector& value) { variables_.at(id).value = value; }
+
+  using Values = std::map<VariableId, SmallVector>;
+  Values values() const;
+  void restore(const Values& values);
+
+  // Residual of the prior at the current estimate, and R expressed there.
+  Eigen::VectorXd prior_difference() const;
+  Eigen::MatrixXd prior_jacobian() const;
+  // x0 := the current estimate, for a prior (R, r) that is expressed there.
+  void set_prior(std::vector<VariableId> variables, Eigen::MatrixXd R, Eigen::VectorXd r);
+
+  // The numbers of a variable, for Ceres to move.
+  double* data(VariableId id) { return variables_.at(id).value.data(); }
+
+  bool in_prior(VariableId id) const;
+  const std::map<VariableId, Variable>& variables() const { return variables_; }
+  const std::map<FactorId, Factor>& factors() const { return factors_; }
+  const LinearPrior& prior() const { return prior_; }
+  const SmallVector& value(VariableId id) const { return variables_.at(id).value; }
+  bool first_estimates() const { return first_estimates_; }
+
+  // The change of the tangent coordinates of a variable from x0 to x: d(x [-] x0)/dx, the identity
+  // but for rotations; the identity also with first estimates, which never move.
+  SmallMatrix transport(const Variable& v, const SmallVector& x0) const;
+
+ private:
+  void linearise(Factor& factor) const;
+
+  bool first_estimates_;
+  std::map<VariableId, Variable> variables_;
+  std::map<FactorId, Factor> factors_;
+  LinearPrior prior_;
+  VariableId next_variable_ = 0;
+  FactorId next_factor_ = 0;
+};
+
+// x [+] d and y [-] x of a variable.
+SmallVector plus(const ceres::Manifold* manifold, const SmallVector& x, const SmallVector& d);
+SmallVector minus(const ceres::Manifold* manifold, const SmallVector& y, const SmallVector& x);
+
+}  // namespace slammot

@@ -1,0 +1,58 @@
+#include "slammot/smoothers/landmark_chain.h"
+
+#include "slammot/models/observation.h"
+#include "slammot/smoothers/camera_manifold.h"
+#include "slammot/smoothers/cost_tools.h"
+
+namespace slammot {
+
+ChainState propagate(const Chain& chain, const Vector6d& base,
+                     const std::vector<Vector6d>& noises) {
+  const auto n = static_cast<Eigen::Index>(noises.size());
+  ChainState state{base, Eigen::MatrixXd::Zero(6, 6 * (1 + n))};
+  state.J.leftCols<6>().setIdentity();
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const auto k = static_cast<std::size_t>(j);
+    const ChainStep& step = chain.steps[k];
+    const Matrix6d F = chain.landmark->predict_jacobian(state.x, step.dt);
+    state.x = chain.landmark->predict(state.x, step.dt) + step.G * noises[k];
+    state.J.leftCols(6 * (j + 1)) = (F * state.J.leftCols(6 * (j + 1))).eval();
+    state.J.middleCols<6>(6 * (j + 1)) = step.G;
+  }
+  return state;
+}
+
+ChainPixelCost::ChainPixelCost(const Camera& camera, const Eigen::Vector2d& pixel, double sigma,
+                               std::shared_ptr<const Chain> chain, int depth)
+    : camera_(camera), pixel_(pixel), sigma_(sigma), chain_(std::move(chain)), depth_(depth) {
+  set_num_residuals(2);
+  *mutable_parameter_block_sizes() = {3, kMotionSize, 3, 3, 3};
+  for (int i = 0; i < depth; ++i) mutable_parameter_block_sizes()->push_back(6);
+}
+
+bool ChainPixelCost::Evaluate(double const* const* x, double* residuals, double** jacobians) const {
+  using Block = Eigen::Map<const Eigen::Vector3d>;
+  Vector6d base;
+  base << Block(x[3]), Block(x[4]);
+  std::vector<Vector6d> noises;
+  for (int i = 0; i < depth_; ++i) noises.emplace_back(Eigen::Map<const Vector6d>(x[5 + i]));
+  const ChainState state = propagate(*chain_, base, noises);
+  const CameraState c = camera_from_blocks(x[0], x[1]);
+  const auto h =
+      observe(camera_, c.position, c.orientation, Block(x[2]), Eigen::Vector3d(state.x.head<3>()));
+  if (!h) return false;
+  Eigen::Map<Eigen::Vector2d>(residuals, 2) = (h->pixel - pixel_) / sigma_;
+  if (!jacobians) return true;
+  Eigen::Matrix<double, 2, kMotionDim> J_motion = Eigen::Matrix<double, 2, kMotionDim>::Zero();
+  J_motion.leftCols<3>() = h->J_pose.rightCols<3>() / sigma_;
+  write<2, 3>(jacobians, 0, h->J_pose.leftCols<3>() / sigma_);
+  write_motion<2>(jacobians, 1, x[1], J_motion);
+  write<2, 3>(jacobians, 2, h->J_anchor / sigma_);
+  const Eigen::Matrix<double, 2, Eigen::Dynamic> J = h->J_y / sigma_ * state.J.topRows<3>();
+  write<2, 3>(jacobians, 3, J.leftCols<3>());
+  write<2, 3>(jacobians, 4, J.middleCols<3>(3));
+  for (int i = 0; i < depth_; ++i) write<2, 6>(jacobians, 5 + i, J.middleCols<6>(6 * (i + 1)));
+  return true;
+}
+
+}  // namespace slammot

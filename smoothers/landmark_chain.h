@@ -1,0 +1,56 @@
+// A free landmark through the frames of a window: one base state x_0 = (y, w) at the oldest of
+// them, and from each frame to the next the landmark model with its noise as a variable of its own,
+//
+//   x_j = f(x_{j-1}) + G_j n_j,   n_j ~ N(0, I),   Q_j = G_j G_j'.
+//
+// The same model as one state per frame joined by factors of covariance Q, but without stiff
+// constraints: when the depth and velocity of the base change, the whole chain follows exactly,
+// where Gauss-Newton on per-frame states would first tear it apart. And a singular Q does no harm.
+#pragma once
+
+#include <ceres/cost_function.h>
+
+#include <memory>
+
+#include "slammot/models/camera.h"
+#include "slammot/models/landmark_models.h"
+
+namespace slammot {
+
+struct ChainStep {
+  double dt = 0.0;
+  Matrix6d G = Matrix6d::Zero();
+};
+
+// The steps of one landmark, oldest first; shared by its factors.
+struct Chain {
+  const LandmarkFunctions* landmark = nullptr;
+  std::vector<ChainStep> steps;
+};
+
+struct ChainState {
+  Vector6d x;
+  Eigen::MatrixXd J;  // 6 x 6 (1 + n): with respect to the base and the noises
+};
+
+// The state after noises.size() steps from the base.
+ChainState propagate(const Chain& chain, const Vector6d& base, const std::vector<Vector6d>& noises);
+
+// (h - z) / sigma of a pixel seen `depth` >= 1 steps after the base; fails when the landmark is
+// behind the camera. Blocks: position, motion, anchor, y, w, then `depth` noises of 6.
+class ChainPixelCost final : public ceres::CostFunction {
+ public:
+  ChainPixelCost(const Camera& camera, const Eigen::Vector2d& pixel, double sigma,
+                 std::shared_ptr<const Chain> chain, int depth);
+
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override;
+
+ private:
+  Camera camera_;
+  Eigen::Vector2d pixel_;
+  double sigma_;
+  std::shared_ptr<const Chain> chain_;
+  int depth_;
+};
+
+}  // namespace slammot

@@ -1,0 +1,225 @@
+#include "slammot/smoothers/normal_equations.h"
+
+#include <set>
+#include <string>
+
+#include "slammot/models/estimator.h"
+
+namespace slammot {
+
+NormalEquations::NormalEquations(const Graph& graph, double damping) {
+  place_variables(graph);
+  add_prior(graph);
+  add_factors(graph);
+  U_.diagonal() *= 1.0 + damping;
+  eliminate_groups(damping);
+  core_.compute(U_);
+  if (core_.info() != Eigen::Success) {
+    throw Diverged("the information matrix of the window is not positive definite");
+  }
+}
+
+void NormalEquations::place_variables(const Graph& graph) {
+  std::map<int, int> group_of;  // by owner
+  for (const VariableId id : graph.prior().variables) {
+    const int dim = graph.variables().at(id).dim();
+    places_[id] = {-1, core_dim_, dim};
+    core_dim_ += dim;
+  }
+  for (const auto& [id, v] : graph.variables()) {
+    if (places_.contains(id)) continue;
+    if (v.owner < 0) {
+      places_[id] = {-1, core_dim_, v.dim()};
+      core_dim_ += v.dim();
+      continue;
+    }
+    const auto [it, is_new] = group_of.try_emplace(v.owner, static_cast<int>(groups_.size()));
+    if (is_new) groups_.emplace_back();
+    Group& group = groups_[static_cast<std::size_t>(it->second)];
+    places_[id] = {it->second, group.dim, v.dim()};
+    group.variables.push_back(id);
+    group.dim += v.dim();
+  }
+  U_.setZero(core_dim_, core_dim_);
+  g_.setZero(core_dim_);
+}
+
+// With T = d(x [-] x0)/dx: H += T' R'R T, g += T' (R'R d + R'r).
+void NormalEquations::add_prior(const Graph& graph) {
+  const LinearPrior& prior = graph.prior();
+  const int n = prior.cols();
+  if (n == 0) return;
+  U_.topLeftCorner(n, n) = prior.RtR;
+  g_.head(n) = prior.RtR * graph.prior_difference() + prior.R.transpose() * prior.r;
+  if (graph.first_estimates()) return;
+  for (std::size_t i = 0; i < prior.variables.size(); ++i) {
+    const Variable& v = graph.variables().at(prior.variables[i]);
+    if (!v.manifold) continue;
+    const SmallMatrix T = graph.transport(v, prior.x0[i]);
+    const int at = prior.offsets[i];
+    U_.block(0, at, n, v.dim()) = (U_.block(0, at, n, v.dim()) * T).eval();
+    U_.block(at, 0, v.dim(), n) = (T.transpose() * U_.block(at, 0, v.dim(), n)).eval();
+    g_.segment(at, v.dim()) = (T.transpose() * g_.segment(at, v.dim())).eval();
+  }
+}
+
+void NormalEquations::add_factors(const Graph& graph) {
+  // First which core columns each group is tied to, then the sums.
+  std::vector<std::set<VariableId>> ties(groups_.size());
+  const auto group_of = [&](const Factor& factor) {
+    for (const VariableId v : factor.variables) {
+      if (places_.at(v).group >= 0) return places_.at(v).group;
+    }
+    return -1;
+  };
+  for (const auto& [id, factor] : graph.factors()) {
+    const int group = group_of(factor);
+    if (group < 0) continue;
+    for (const VariableId v : factor.variables) {
+      if (places_.at(v).group < 0) ties[static_cast<std::size_t>(group)].insert(v);
+    }
+  }
+  std::vector<std::map<VariableId, int>> column(groups_.size());
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    Group& group = groups_[k];
+    for (const VariableId v : ties[k]) {
+      const Place& place = places_.at(v);
+      column[k][v] = static_cast<int>(group.core_columns.size());
+      for (int i = 0; i < place.dim; ++i) group.core_columns.push_back(place.offset + i);
+    }
+    group.V.setZero(group.dim, group.dim);
+    group.W.setZero(group.dim, static_cast<Eigen::Index>(group.core_columns.size()));
+    group.g.setZero(group.dim);
+  }
+  for (const auto& [id, factor] : graph.factors()) {
+    for (std::size_t i = 0; i < factor.variables.size(); ++i) {
+      const Place& a = places_.at(factor.variables[i]);
+      const SmallVector Jtr = factor.J[i].transpose() * factor.r;
+      Group* group = a.group < 0 ? nullptr : &groups_[static_cast<std::size_t>(a.group)];
+      (group ? group->g : g_).segment(a.offset, a.dim) += Jtr;
+      for (std::size_t j = 0; j < factor.variables.size(); ++j) {
+        const Place& b = places_.at(factor.variables[j]);
+        const SmallMatrix JtJ = factor.J[i].transpose() * factor.J[j];
+        if (group && b.group >= 0) {
+          group->V.block(a.offset, b.offset, a.dim, b.dim) += JtJ;
+        } else if (group) {
+          const int at = column[static_cast<std::size_t>(a.group)].at(factor.variables[j]);
+          group->W.block(a.offset, at, a.dim, b.dim) += JtJ;
+        } else if (b.group < 0) {
+          U_.block(a.offset, b.offset, a.dim, b.dim) += JtJ;
+        }
+      }
+    }
+  }
+}
+
+void NormalEquations::eliminate_groups(double damping) {
+  reduced_g_ = g_;
+  for (Group& group : groups_) {
+    group.V.diagonal() *= 1.0 + damping;
+    group.llt.compute(group.V);
+    if (group.llt.info() != Eigen::Success) {
+      throw Diverged("the states of a landmark in the window are not determined");
+    }
+    group.LW = group.llt.matrixL().solve(group.W);
+    const Eigen::VectorXd Lg = group.llt.matrixL().solve(group.g);
+    const Eigen::MatrixXd WVW = group.LW.transpose() * group.LW;
+    const Eigen::VectorXd WVg = group.LW.transpose() * Lg;
+    const std::vector<int>& columns = group.core_columns;
+    for (std::size_t j = 0; j < columns.size(); ++j) {
+      const auto k = static_cast<Eigen::Index>(j);
+      reduced_g_(columns[j]) -= WVg(k);
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        U_(columns[i], columns[j]) -= WVW(static_cast<Eigen::Index>(i), k);
+      }
+    }
+  }
+}
+
+Step NormalEquations::step() const {
+  const Eigen::VectorXd core = -core_.solve(reduced_g_);
+  if (!core.allFinite()) throw Diverged("the step of the window is not finite");
+  std::vector<Eigen::VectorXd> parts;
+  for (const Group& group : groups_) {
+    const Eigen::VectorXd tied = core(group.core_columns);
+    parts.push_back(-group.llt.solve(group.g + group.W * tied));
+  }
+  Step step;
+  for (const auto& [id, place] : places_) {
+    const Eigen::VectorXd& source =
+        place.group < 0 ? core : parts[static_cast<std::size_t>(place.group)];
+    step[id] = source.segment(place.offset, place.dim);
+  }
+  return step;
+}
+
+double NormalEquations::slope(const Step& step) const {
+  double sum = 0.0;
+  for (const auto& [id, place] : places_) {
+    const Eigen::VectorXd& g =
+        place.group < 0 ? g_ : groups_[static_cast<std::size_t>(place.group)].g;
+    sum += g.segment(place.offset, place.dim).dot(step.at(id));
+  }
+  return sum;
+}
+
+// With C the form's columns in the core once its group is eliminated, and E those in the group,
+// J Sigma J' = C' S^-1 C + E' V^-1 E.
+std::vector<Eigen::MatrixXd> NormalEquations::covariances(
+    const std::vector<LinearForm>& forms) const {
+  Eigen::Index total = 0;
+  for (const LinearForm& form : forms) total += form.J.rows();
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(core_dim_, total);
+  std::vector<Eigen::MatrixXd> result;
+  Eigen::Index column = 0;
+  for (const LinearForm& form : forms) {
+    const Eigen::Index rows = form.J.rows();
+    auto C_form = C.middleCols(column, rows);
+    const Group* group = nullptr;
+    Eigen::MatrixXd E;
+    Eigen::Index at = 0;
+    for (const VariableId id : form.variables) {
+      const Place& place = places_.at(id);
+      const auto J_t = form.J.middleCols(at, place.dim).transpose();
+      at += place.dim;
+      if (place.group < 0) {
+        C_form.middleRows(place.offset, place.dim) += J_t;
+        continue;
+      }
+      group = &groups_[static_cast<std::size_t>(place.group)];
+      if (E.size() == 0) E.setZero(group->dim, rows);
+      E.middleRows(place.offset, place.dim) += J_t;
+    }
+    result.emplace_back(Eigen::MatrixXd::Zero(rows, rows));
+    if (group) {
+      const Eigen::MatrixXd X = group->llt.solve(E);
+      const Eigen::MatrixXd tied = group->W.transpose() * X;
+      for (std::size_t i = 0; i < group->core_columns.size(); ++i) {
+        C_form.row(group->core_columns[i]) -= tied.row(static_cast<Eigen::Index>(i));
+      }
+      result.back() = E.transpose() * X;
+    }
+    column += rows;
+  }
+  core_.matrixL().solveInPlace(C);
+  column = 0;
+  for (Eigen::MatrixXd& P : result) {
+    const auto Y = C.middleCols(column, P.rows());
+    P += Y.transpose() * Y;
+    column += P.rows();
+  }
+  return result;
+}
+
+std::vector<Eigen::MatrixXd> NormalEquations::covariances(
+    const std::vector<std::vector<VariableId>>& sets) const {
+  std::vector<LinearForm> forms;
+  for (const auto& set : sets) {
+    int dim = 0;
+    for (const VariableId id : set) dim += places_.at(id).dim;
+    forms.push_back({set, Eigen::MatrixXd::Identity(dim, dim)});
+  }
+  return covariances(forms);
+}
+
+}  // namespace slammot

@@ -1,0 +1,132 @@
+// The sliding window's state and the steps of its frame; see window.h for what it is.
+//
+// Variables: camera position and motion for each frame; for each landmark y, and while it is free w
+// and the noises of its chain (landmark_chain.h). The position of the camera in the frame of a
+// landmark's birth is its anchor, and stays when that frame has left.
+#pragma once
+
+#include <deque>
+#include <set>
+
+#include "slammot/models/classification.h"
+#include "slammot/smoothers/camera_manifold.h"
+#include "slammot/smoothers/landmark_chain.h"
+#include "slammot/smoothers/marginalise.h"
+#include "slammot/smoothers/optimise.h"
+#include "slammot/smoothers/window.h"
+
+namespace slammot {
+
+struct WindowFrame {
+  int number = 0;  // counted from the first frame processed
+  double timestamp = 0.0;
+  VariableId position = 0;
+  VariableId motion = 0;
+};
+
+// A measurement of a free landmark in the window, `depth` steps after its base.
+struct WindowPixel {
+  FactorId factor = 0;
+  VariableId position = 0, motion = 0;
+  Eigen::Vector2d pixel;
+  int depth = 0;
+};
+
+struct ChainNoise {
+  VariableId id = 0;
+  FactorId prior = 0;
+};
+
+// What a batch needs to know of a landmark's life; kept only for one.
+struct LandmarkLife {
+  int birth = 0;  // WindowFrame::number
+  bool known = false;
+  std::vector<std::pair<int, Eigen::Vector2d>> pixels;  // by frame, the first one included
+  std::optional<Vector6d> birth_state;                  // (y, w), believed when the birth left
+  std::vector<Vector6d> noises;                         // of the steps that left
+  TrackRecord record;
+};
+
+struct WindowLandmark {
+  TrackRecord record;
+  VariableId anchor = 0;
+  VariableId y = 0;             // at the base
+  std::optional<VariableId> w;  // at the base; none when static
+  FactorId w_prior = 0;
+  VariableId base = 0;           // camera position of the base's frame
+  std::shared_ptr<Chain> chain;  // from the base to the newest frame; none when static
+  std::vector<ChainNoise> noises;
+  std::vector<WindowPixel> pixels;  // of a free landmark
+  LandmarkLife life;
+};
+
+class Window : public Estimator {
+ public:
+  // Throws std::invalid_argument for an unknown landmark model, classifier, linearisation or loss.
+  Window(const Setup& setup, const ModelOptions& models, const WindowOptions& options);
+
+  FrameReport process(const Frame& frame, StageListener& stages) override;
+  CameraEstimate camera() const override { return camera_; }
+  std::vector<LandmarkEstimate> landmarks() const override;
+  std::vector<CameraEstimate> smoothed(StageListener& stages) override;
+
+ private:
+  friend class Batch;
+
+  // window.cpp: the frame.
+  void predict(const Frame& frame);
+  void marginalise_oldest();
+  std::vector<Observation> gate(const Frame& frame, FrameReport& report);
+  void add_measurements(const std::vector<Observation>& accepted);
+  CameraState state(const WindowFrame& frame) const;
+  void estimate_camera(const NormalEquations& equations, const Step& last);
+  std::vector<LandmarkEstimate> estimate(const std::vector<int>& tracks) const;
+
+  // window_landmarks.cpp: the life of landmarks.
+  void admit_known(const Frame& frame, FrameReport& report);
+  void admit_new(const Frame& frame, FrameReport& report);
+  WindowLandmark& birth(const TrackRecord& record, const Eigen::Vector2d& pixel);
+  void classify(const std::vector<Observation>& accepted, const NormalEquations& equations,
+                int frame);
+  void collapse(const std::vector<int>& tracks);
+  void condition(WindowLandmark& landmark);
+  void drop(WindowLandmark& landmark);
+  void retire(FrameReport& report);
+  std::set<VariableId> anchors() const;
+
+  // window_chains.cpp: free landmarks through the window.
+  void extend(WindowLandmark& landmark, double dt);
+  void refresh_noise(WindowLandmark& landmark);
+  ChainState newest_state(const WindowLandmark& landmark) const;
+  std::vector<VariableId> state_variables(const WindowLandmark& landmark) const;
+  FactorId add_pixel(const WindowLandmark& landmark, const WindowPixel& pixel);
+  Advance advance(const WindowLandmark& landmark, const Vector6d& from, std::size_t step) const;
+  std::vector<Advance> leave_base(WindowLandmark& landmark, std::set<VariableId>& leaving);
+  void enter_base(WindowLandmark& landmark, VariableId base);
+  void end_chain(WindowLandmark& landmark);
+  LandmarkLife life_so_far(const WindowLandmark& landmark) const;
+
+  WindowFrame& newest() { return frames_.back(); }
+
+  Setup setup_;
+  ModelOptions models_;
+  WindowOptions options_;
+  const LandmarkFunctions& functions_;
+  std::unique_ptr<Classifier> classifier_;
+  std::unique_ptr<ceres::LossFunction> loss_;
+  MotionManifold motion_manifold_;
+  std::map<int, KnownLandmark> known_;
+  Graph graph_;
+  std::deque<WindowFrame> frames_;
+  std::map<int, WindowLandmark> landmarks_;  // by track
+  std::vector<WindowLandmark> dead_;         // lost, with measurements in the window
+  std::set<VariableId> left_anchors_;        // camera positions whose frame has left
+  CameraEstimate camera_;
+  // Cameras as they were believed when they left the window, by time.
+  std::vector<std::pair<double, CameraState>> left_;
+  int first_frame_ = 0;
+  bool record_lives_ = false;
+  std::vector<LandmarkLife> ended_lives_;
+};
+
+}  // namespace slammot

@@ -1,0 +1,172 @@
+// The life of landmarks in the window: birth, classification, collapse to static, death.
+#include "slammot/models/initialisation.h"
+#include "slammot/smoothers/factors.h"
+#include "slammot/smoothers/window_estimator.h"
+
+namespace slammot {
+
+std::set<VariableId> Window::anchors() const {
+  std::set<VariableId> used;
+  for (const auto& [track, landmark] : landmarks_) used.insert(landmark.anchor);
+  for (const WindowLandmark& landmark : dead_) used.insert(landmark.anchor);
+  return used;
+}
+
+WindowLandmark& Window::birth(const TrackRecord& record, const Eigen::Vector2d& pixel) {
+  WindowLandmark& landmark = landmarks_[record.track];
+  landmark.record = record;
+  landmark.anchor = newest().position;
+  landmark.base = newest().position;
+  if (record_lives_) {
+    landmark.life.birth = newest().number;
+    if (!known_.contains(record.track)) landmark.life.pixels.emplace_back(newest().number, pixel);
+  }
+  return landmark;
+}
+
+void Window::admit_known(const Frame& frame, FrameReport& report) {
+  for (const Observation& z : frame.observations) {
+    const auto known = known_.find(z.track);
+    if (known == known_.end() || landmarks_.contains(z.track)) continue;
+    TrackRecord record = born(z.track, frame.index, Label::kStatic, true);
+    record.observations = 0;
+    WindowLandmark& landmark = birth(record, z.pixel);
+    landmark.life.known = true;
+    const Eigen::Vector3d y = initialise_known(known->second, graph_.value(landmark.anchor)).y;
+    landmark.y = graph_.add_variable(y, nullptr, z.track);
+    graph_.add_factor({landmark.anchor, landmark.y}, known_landmark_cost(known->second));
+    ++report.admitted;
+  }
+}
+
+// Thesis 2.1.3, (2.7), as factors: the first pixel, and the priors of inverse depth and motion.
+void Window::admit_new(const Frame& frame, FrameReport& report) {
+  std::vector<Observation> candidates;
+  for (const Observation& z : frame.observations) {
+    if (!landmarks_.contains(z.track)) candidates.push_back(z);
+  }
+  const auto births =
+      admit(candidates, static_cast<int>(landmarks_.size()), report.accepted, models_.policy);
+  const bool first_frame = frame.index == first_frame_;
+  for (const Observation& z : births) {
+    const auto y =
+        initialise(setup_.camera, state(newest()).orientation, z.pixel, setup_.prior.inverse_depth);
+    if (!y) continue;
+    const Label label = classifier_->at_birth(z.track, first_frame);
+    WindowLandmark& l = birth(born(z.track, frame.index, label, first_frame), z.pixel);
+    l.y = graph_.add_variable(y->y, nullptr, z.track);
+    const WindowPixel first{0, newest().position, newest().motion, z.pixel, 0};
+    const FactorId factor = add_pixel(l, first);
+    graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior));
+    ++report.admitted;
+    if (label == Label::kStatic) continue;
+    l.w = graph_.add_variable(Eigen::Vector3d::Zero(), nullptr, z.track);
+    l.w_prior = graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigma(setup_.prior)));
+    l.chain = std::make_shared<Chain>(Chain{&functions_, {}});
+    l.pixels = {first};
+    l.pixels.front().factor = factor;
+  }
+}
+
+// Thesis 3.1.3, for every unknown landmark measured in this frame.
+void Window::classify(const std::vector<Observation>& accepted, const NormalEquations& equations,
+                      int frame) {
+  std::vector<int> unknown, now_static;
+  std::vector<LinearForm> forms;
+  std::vector<Vector6d> states;
+  for (const Observation& z : accepted) {
+    const WindowLandmark& l = landmarks_.at(z.track);
+    if (l.record.label != Label::kUnknown) continue;
+    const ChainState state = newest_state(l);
+    unknown.push_back(z.track);
+    states.push_back(state.x);
+    forms.push_back({state_variables(l), state.J.bottomRows<3>()});
+  }
+  const std::vector<Eigen::MatrixXd> P_w = equations.covariances(forms);
+  for (std::size_t i = 0; i < unknown.size(); ++i) {
+    MotionBelief belief;
+    belief.track = unknown[i];
+    belief.w = states[i].tail<3>();
+    belief.covariance = P_w[i];
+    belief.prior_sigma = functions_.prior_sigma(setup_.prior);
+    belief.density_scale = functions_.density_scale(states[i]);
+    TrackRecord& record = landmarks_.at(unknown[i]).record;
+    note_decision(record, classifier_->decide(belief), frame);
+    if (record.label == Label::kStatic) now_static.push_back(unknown[i]);
+  }
+  collapse(now_static);
+}
+
+// (3.3). `drop` marginalises all that made the landmark move; `condition` states that it never
+// moved.
+void Window::collapse(const std::vector<int>& tracks) {
+  if (tracks.empty()) return;
+  for (const int track : tracks) {
+    WindowLandmark& landmark = landmarks_.at(track);
+    models_.collapse == "condition" ? condition(landmark) : drop(landmark);
+    landmark.noises.clear();
+    landmark.pixels.clear();
+    landmark.chain.reset();
+    landmark.w.reset();
+  }
+  if (models_.collapse != "condition") return;
+  const NormalEquations equations(graph_);
+  const Step step = equations.step();
+  graph_.move(step);
+  estimate_camera(equations, step);
+}
+
+// w and all noises are zero: the window's measurements are those of one point.
+void Window::condition(WindowLandmark& landmark) {
+  for (const WindowPixel& z : landmark.pixels) {
+    if (z.depth > 0) graph_.remove_factor(z.factor);
+  }
+  for (const ChainNoise& n : landmark.noises) {
+    graph_.remove_factor(n.prior);
+    graph_.remove_variables({n.id});
+  }
+  graph_.remove_factor(landmark.w_prior);
+  graph_.fix_at_zero(*landmark.w);
+  for (WindowPixel& z : landmark.pixels) {
+    if (z.depth == 0) continue;
+    z.depth = 0;
+    add_pixel(landmark, z);
+  }
+}
+
+// The base advances to the newest frame; w and all noises are marginalised, and with them the
+// window's measurements of the landmark.
+void Window::drop(WindowLandmark& landmark) {
+  std::set<VariableId> leaving{*landmark.w};
+  std::vector<Advance> advances;
+  Vector6d x;
+  x << graph_.value(landmark.y), graph_.value(*landmark.w);
+  for (std::size_t i = 0; i < landmark.noises.size(); ++i) {
+    advances.push_back(advance(landmark, x, i));
+    x = advances.back().next;
+    leaving.insert(landmark.noises[i].id);
+  }
+  marginalise(graph_, leaving, advances);
+}
+
+void Window::retire(FrameReport& report) {
+  std::vector<int> lost;
+  for (const auto& [track, landmark] : landmarks_) {
+    if (is_lost(landmark.record, models_.policy)) lost.push_back(track);
+  }
+  if (lost.empty()) return;
+  report.retired = estimate(lost);
+  for (const int track : lost) {
+    WindowLandmark& landmark = landmarks_.at(track);
+    if (record_lives_) ended_lives_.push_back(life_so_far(landmark));
+    if (landmark.w) {
+      end_chain(landmark);
+    } else {
+      landmark.base = newest().position;  // the last frame that can have measured it
+    }
+    dead_.push_back(landmark);
+    landmarks_.erase(track);
+  }
+}
+
+}  // namespace slammot

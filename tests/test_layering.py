@@ -1,0 +1,99 @@
+"""Fails on an #include against the arrows: who may know whom (docs/README.md, "Pieces").
+
+Every own header is included as "slammot/FOLDER/FILE"; what stands in quotes otherwise would get
+around the check and is refused too.
+"""
+import pathlib
+import re
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+MAY_KNOW = {
+    "models": {"models"},
+    "filters": {"filters", "models"},
+    "smoothers": {"smoothers", "models"},
+    "datasets": {"datasets", "models"},
+    "eval": {"eval", "datasets", "models"},
+    "apps": {"apps", "eval", "datasets", "models"},
+}
+
+# The one place that maps names to estimators, and the one that parses their options.
+EXCEPTIONS = {
+    "eval/registry.cpp": re.compile(r"(filters|smoothers)/\w+\.h"),
+    "eval/configuration.h": re.compile(r"filters/ekf_options\.h|smoothers/window_options\.h"),
+}
+
+# Libraries that only some folders may know.
+LIBRARIES = {
+    "ceres/": {"smoothers"},
+    "opencv2/": {"datasets"},
+}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
+
+
+def faults_in(path, text):
+    """The includes of the file at `path` (relative to the root) that point against the arrows."""
+    folder = path.split("/")[0]
+    faults = []
+    for bracket, header in INCLUDE.findall(text):
+        if header.startswith("slammot/"):
+            inner = header.removeprefix("slammot/")
+            exception = EXCEPTIONS.get(path)
+            allowed = inner.split("/")[0] in MAY_KNOW[folder] or (
+                exception is not None and exception.fullmatch(inner))
+        else:
+            allowed = bracket == "<" and all(
+                folder in users for library, users in LIBRARIES.items()
+                if header.startswith(library))
+        if not allowed:
+            faults.append(f"{path} includes {header}")
+    return faults
+
+
+def sources():
+    for folder in MAY_KNOW:
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix in {".h", ".cpp"}:
+                yield path
+
+
+class Layering(unittest.TestCase):
+    def test_the_tree_follows_the_arrows(self):
+        files = list(sources())
+        self.assertTrue(files)
+        faults = [fault for path in files
+                  for fault in faults_in(path.relative_to(ROOT).as_posix(), path.read_text())]
+        self.assertEqual(faults, [], "\n".join(faults))
+
+    def test_bad_includes_are_found(self):
+        for path, line in [
+            ("models/camera.h", '#include "slammot/filters/ekf.h"'),
+            ("filters/ekf.cpp", '#include "slammot/smoothers/window.h"'),
+            ("smoothers/window.cpp", '  #  include <slammot/filters/ekf.h>'),
+            ("datasets/sequence.h", '#include "slammot/eval/metrics.h"'),
+            ("eval/metrics.h", '#include "slammot/filters/ekf.h"'),
+            ("eval/configuration.h", '#include "slammot/filters/ekf.h"'),
+            ("apps/main.cpp", '#include "slammot/smoothers/window.h"'),
+            ("filters/ekf.cpp", '#include "../smoothers/window.h"'),
+            ("filters/ekf.cpp", '#include <ceres/ceres.h>'),
+            ("models/camera.cpp", '#include <opencv2/core.hpp>'),
+        ]:
+            with self.subTest(path=path, line=line):
+                self.assertEqual(len(faults_in(path, f"#pragma once\n{line}\n")), 1)
+
+    def test_good_includes_pass(self):
+        for path, line in [
+            ("models/camera.h", '#include "slammot/models/lens.h"'),
+            ("models/camera.h", "#include <vector>"),
+            ("smoothers/window.cpp", "#include <ceres/problem.h>"),
+            ("eval/registry.cpp", '#include "slammot/filters/ekf.h"'),
+            ("eval/configuration.h", '#include "slammot/smoothers/window_options.h"'),
+        ]:
+            with self.subTest(path=path, line=line):
+                self.assertEqual(faults_in(path, line), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
