@@ -215,8 +215,26 @@ Eigen::MatrixXd Graph::prior_jacobian() const {
   return J;
 }
 
+void Graph::rebase_prior() {
+  if (prior_.cols() == 0) return;
+  prior_.r += prior_.R * prior_difference();
+  for (std::size_t i = 0; i < prior_.variables.size(); ++i) {
+    const Variable& v = variables_.at(prior_.variables[i]);
+    const int at = prior_.offsets[i];
+    if (v.manifold && !first_estimates_) {
+      const SmallMatrix T = transport(v, prior_.x0[i]);
+      prior_.R.middleCols(at, v.dim()) = (prior_.R.middleCols(at, v.dim()) * T).eval();
+      prior_.RtR.middleCols(at, v.dim()) = (prior_.RtR.middleCols(at, v.dim()) * T).eval();
+      prior_.RtR.middleRows(at, v.dim()) =
+          (T.transpose() * prior_.RtR.middleRows(at, v.dim())).eval();
+    }
+    prior_.x0[i] = v.value;
+  }
+}
+
 void Graph::set_prior(std::vector<VariableId> variables, Eigen::MatrixXd R, Eigen::VectorXd r) {
   prior_ = {};
+  if (variables.empty()) return;
   prior_.R = std::move(R);
   prior_.r = std::move(r);
   prior_.RtR.setZero(prior_.R.cols(), prior_.R.cols());

@@ -93,6 +93,9 @@ class Graph {
   // Residual of the prior at the current estimate, and R expressed there.
   Eigen::VectorXd prior_difference() const;
   Eigen::MatrixXd prior_jacobian() const;
+  // Expresses the prior at the current estimate, to first order: x0 := x, R := R T, r := r + R d.
+  // What an EKF does with its covariance after every update.
+  void rebase_prior();
   // x0 := the current estimate, for a prior (R, r) that is expressed there.
   void set_prior(std::vector<VariableId> variables, Eigen::MatrixXd R, Eigen::VectorXd r);
 

@@ -18,14 +18,13 @@ struct Columns {
   }
 };
 
-std::vector<FactorId> factors_touching(const Graph& graph, const std::set<VariableId>& ids) {
+std::vector<FactorId> factors_touching(const Graph& graph, const std::set<VariableId>& ids,
+                                       const std::set<FactorId>& also) {
   std::vector<FactorId> touched;
   for (const auto& [id, factor] : graph.factors()) {
-    for (const VariableId v : factor.variables) {
-      if (!ids.contains(v)) continue;
-      touched.push_back(id);
-      break;
-    }
+    bool touches = also.contains(id);
+    for (const VariableId v : factor.variables) touches = touches || ids.contains(v);
+    if (touches) touched.push_back(id);
   }
   return touched;
 }
@@ -96,11 +95,11 @@ void substitute(Eigen::MatrixXd& Ab, const Columns& columns, const Advance& adva
 }  // namespace
 
 void marginalise(Graph& graph, const std::set<VariableId>& leaving,
-                 const std::vector<Advance>& advances) {
+                 const std::vector<Advance>& advances, const std::set<FactorId>& absorbed) {
   if (leaving.empty()) return;
   std::set<VariableId> concerned = leaving;
   for (const Advance& a : advances) concerned.insert({a.y, a.w});
-  const std::vector<FactorId> touched = factors_touching(graph, concerned);
+  const std::vector<FactorId> touched = factors_touching(graph, concerned, absorbed);
   const Columns columns = order_columns(graph, leaving, advances, touched);
   Eigen::MatrixXd Ab = stack(graph, columns, touched);
   for (const Advance& a : advances) {

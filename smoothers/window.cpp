@@ -78,8 +78,11 @@ void Window::predict(const Frame& frame) {
   const auto add_camera = [&](const CameraState& x, int number) {
     Eigen::VectorXd position(3), motion(kMotionSize);
     camera_to_blocks(x, position.data(), motion.data());
-    frames_.push_back({number, frame.timestamp, graph_.add_variable(position, nullptr, kShared),
-                       graph_.add_variable(motion, &motion_manifold_, kShared)});
+    frames_.push_back({number,
+                       frame.timestamp,
+                       graph_.add_variable(position, nullptr, kShared),
+                       graph_.add_variable(motion, &motion_manifold_, kShared),
+                       {}});
   };
   if (frames_.empty()) {
     first_frame_ = frame.index;
@@ -128,7 +131,7 @@ void Window::marginalise_oldest() {
     if (!used.contains(anchor)) leaving.insert(anchor);
   }
   std::erase_if(left_anchors_, [&](VariableId anchor) { return leaving.contains(anchor); });
-  marginalise(graph_, leaving, advances);
+  marginalise(graph_, leaving, advances, oldest.knowledge);
   for (WindowLandmark* landmark : moving) enter_base(*landmark, next);
   std::erase_if(dead_, [&](const WindowLandmark& l) { return leaving.contains(l.y); });
   frames_.pop_front();

@@ -22,6 +22,7 @@ struct WindowFrame {
   double timestamp = 0.0;
   VariableId position = 0;
   VariableId motion = 0;
+  std::set<FactorId> knowledge;  // what was stated of landmarks born here; it leaves with the frame
 };
 
 // A measurement of a free landmark in the window, `depth` steps after its base.

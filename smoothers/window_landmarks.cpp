@@ -34,7 +34,8 @@ void Window::admit_known(const Frame& frame, FrameReport& report) {
     landmark.life.known = true;
     const Eigen::Vector3d y = initialise_known(known->second, graph_.value(landmark.anchor)).y;
     landmark.y = graph_.add_variable(y, nullptr, z.track);
-    graph_.add_factor({landmark.anchor, landmark.y}, known_landmark_cost(known->second));
+    newest().knowledge.insert(
+        graph_.add_factor({landmark.anchor, landmark.y}, known_landmark_cost(known->second)));
     ++report.admitted;
   }
 }
@@ -57,7 +58,7 @@ void Window::admit_new(const Frame& frame, FrameReport& report) {
     l.y = graph_.add_variable(y->y, nullptr, z.track);
     const WindowPixel first{0, newest().position, newest().motion, z.pixel, 0};
     const FactorId factor = add_pixel(l, first);
-    graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior));
+    newest().knowledge.insert(graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior)));
     ++report.admitted;
     if (label == Label::kStatic) continue;
     l.w = graph_.add_variable(Eigen::Vector3d::Zero(), nullptr, z.track);
@@ -110,6 +111,7 @@ void Window::collapse(const std::vector<int>& tracks) {
     landmark.w.reset();
   }
   if (models_.collapse != "condition") return;
+  graph_.rebase_prior();
   const NormalEquations equations(graph_);
   const Step step = equations.step();
   graph_.move(step);

@@ -1,0 +1,142 @@
+// The EKF's joint state: shared anchors, births and deaths, and the update against textbook
+// formulas.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <random>
+
+#include "slammot/filters/ekf_update.h"
+
+namespace slammot {
+namespace {
+
+Camera pinhole() { return {640, 480, 385.0, 385.0, 319.5, 239.5, PinholeLens{}}; }
+
+// A camera and four landmarks born with it; `anchors` of them, shared or one for each.
+JointState scene(int anchors) {
+  JointState state;
+  Vector12d sigma;
+  sigma << Eigen::Vector3d::Constant(0.05), Eigen::Vector3d::Constant(0.01),
+      Eigen::Vector3d::Constant(0.3), Eigen::Vector3d::Constant(0.1);
+  state.covariance.append({}, sigma.cwiseAbs2().asDiagonal().toDenseMatrix());
+  for (int i = 0; i < anchors; ++i) {
+    const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+    const StateBlock block =
+        state.covariance.append({{{kPosition, 3}, I}}, Eigen::Matrix3d::Zero());
+    state.anchors[i] = {state.camera.position, block, 0};
+  }
+  for (int i = 0; i < 4; ++i) {
+    FilterLandmark& l = state.landmarks[i];
+    l.record.track = i;
+    l.anchor = i % anchors;
+    l.y = {0.2 * i - 0.3, 0.1 * (i % 2), 0.2};
+    l.block =
+        state.covariance.append({}, Eigen::Vector3d(1e-5, 1e-5, 1e-3).asDiagonal().toDenseMatrix());
+    ++state.anchors.at(l.anchor).landmarks;
+  }
+  return state;
+}
+
+std::vector<Match> pixels_of(const JointState& state, unsigned seed) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal;
+  std::vector<Match> matches;
+  for (const auto& [track, l] : state.landmarks) {
+    const auto z = observe(pinhole(), state.camera.position, state.camera.orientation,
+                           state.anchors.at(l.anchor).position, l.y);
+    matches.push_back({track, z->pixel + 2.0 * Eigen::Vector2d(normal(engine), normal(engine))});
+  }
+  return matches;
+}
+
+void step(JointState& state, const std::vector<Match>& matches) {
+  MotionNoise noise{2.0, 1.0};
+  const double dt = 0.1;
+  state.covariance.propagate(JointState::kCamera, predict_jacobian(state.camera, dt),
+                             camera_noise(noise, state.camera, dt));
+  state.camera = predict(state.camera, dt);
+  update(state, pinhole(), innovation(state, pinhole(), matches), 1.0, 1);
+}
+
+TEST(SharedAnchor, GivesTheSameEstimatesAsOneForEachLandmark) {
+  JointState shared = scene(1), single = scene(4);
+  shared.camera.velocity = single.camera.velocity = {1.0, 0.0, 0.2};
+  EXPECT_EQ(shared.covariance.size() + 9, single.covariance.size());
+  for (unsigned k = 1; k <= 20; ++k) {
+    const auto matches = pixels_of(shared, k);
+    step(shared, matches);
+    step(single, matches);
+  }
+  const auto P = shared.covariance.block(JointState::kCamera, JointState::kCamera);
+  const auto Q = single.covariance.block(JointState::kCamera, JointState::kCamera);
+  EXPECT_LT((P - Q).norm(), 1e-11 * Q.norm());
+  EXPECT_LT(boxminus(shared.camera, single.camera).norm(), 1e-11);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_LT((shared.landmarks.at(i).y - single.landmarks.at(i).y).norm(), 1e-11);
+    EXPECT_LT((shared.anchors.at(0).position - single.anchors.at(i).position).norm(), 1e-11);
+  }
+}
+
+TEST(Update, IsTheTextbookUpdate) {
+  JointState state = scene(1);
+  const auto matches = pixels_of(state, 1);
+  const Innovation z = innovation(state, pinhole(), matches);
+  const int n = state.covariance.size();
+  const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(n, n);
+  const Eigen::MatrixXd H = apply_H(state, z, I), P = state.covariance.P();
+  const Eigen::MatrixXd R = Eigen::MatrixXd::Identity(8, 8) * 1.44;
+  const Eigen::MatrixXd S = H * P * H.transpose() + R;
+  const Eigen::MatrixXd K = P * H.transpose() * S.inverse();
+  Eigen::MatrixXd Joseph = (I - K * H) * P * (I - K * H).transpose() + K * R * K.transpose();
+  const Eigen::VectorXd dx = K * z.nu;
+  Eigen::MatrixXd reset = I;
+  reset.block<3, 3>(3, 3) = right_jacobian_so3(dx.segment<3>(3));
+  Joseph = (reset * Joseph * reset.transpose()).eval();
+  const CameraState expected = boxplus(state.camera, Vector12d(dx.head<12>()));
+  update(state, pinhole(), z, 1.44, 1);
+  EXPECT_LT((state.covariance.P() - Joseph).norm(), 1e-10 * Joseph.norm());
+  EXPECT_LT(boxminus(state.camera, expected).norm(), 1e-12);
+  EXPECT_EQ(state.covariance.P(), state.covariance.P().transpose());
+}
+
+TEST(Gate, TakesEachMeasurementOnItsOwn) {
+  JointState state = scene(1);
+  auto matches = pixels_of(state, 2);
+  matches[2].pixel += Eigen::Vector2d(300.0, 0.0);
+  const Gate result = gate(state, innovation(state, pinhole(), matches), 1.0, 0.99);
+  EXPECT_EQ(result.rejected, std::vector<int>{2});
+  EXPECT_EQ(result.accepted.matches.size(), 3u);
+}
+
+TEST(RemoveLandmarks, LeavesTheMarginalOfTheRest) {
+  JointState state = scene(4);
+  for (unsigned k = 1; k <= 3; ++k) step(state, pixels_of(state, k));
+  const FilterLandmark kept = state.landmarks.at(3);
+  const Eigen::MatrixXd before = state.covariance.block(kept.block, JointState::kCamera);
+  state.remove_landmarks({0, 2});
+  EXPECT_EQ(state.covariance.size(), 12 + 2 * 6);
+  EXPECT_EQ(state.anchors.size(), 2u);
+  EXPECT_EQ(state.covariance.block(state.landmarks.at(3).block, JointState::kCamera), before);
+}
+
+TEST(UpdateAlone, MovesNothingButItsLandmark) {
+  JointState state = scene(1);
+  for (unsigned k = 1; k <= 3; ++k) step(state, pixels_of(state, k));
+  const CameraState camera = state.camera;
+  const Matrix12d P = state.covariance.block(JointState::kCamera, JointState::kCamera);
+  const StateBlock own = state.landmarks.at(1).block;
+  const double before = state.covariance.block(own, own).trace();
+  update_alone(state, pinhole(), pixels_of(state, 9)[1], 1.0);
+  EXPECT_EQ(boxminus(state.camera, camera).norm(), 0.0);
+  EXPECT_EQ(state.covariance.block(JointState::kCamera, JointState::kCamera), P);
+  EXPECT_LT(state.covariance.block(own, own).trace(), before);
+  EXPECT_GT(Eigen::MatrixXd(state.covariance.P())
+                .selfadjointView<Eigen::Lower>()
+                .eigenvalues()
+                .minCoeff(),
+            -1e-15);
+}
+
+}  // namespace
+}  // namespace slammot
