@@ -58,15 +58,15 @@ void drive_frame(const Frame& frame, Estimator& estimator, const DriveOptions& o
   result.counts.push_back(counts_of(report));
   add_to(result.totals, result.counts.back());
   history.retire(frame.index, report.retired);  // before a track may begin anew
-  const std::vector<LandmarkEstimate> landmarks = estimator.landmarks();
-  history.add(frame.index, landmarks);
+  history.add(frame.index, estimator.landmarks_measured(frame.index));
   if (!options.landmarks_every_frame) return;
-  for (const LandmarkEstimate& landmark : landmarks) {
+  for (const LandmarkEstimate& landmark : estimator.landmarks()) {
     result.every_frame.push_back({frame.index, landmark});
   }
 }
 
-// A batch solves here, so that its landmarks are known better than after the last frame.
+// The last word on every landmark still in the state. A batch solves here, so that its landmarks
+// are known better than after the last frame.
 void smooth(Estimator& estimator, LandmarkHistory& history, RunResult& result) {
   StageClock clock;
   const std::vector<CameraEstimate> smoothed = estimator.smoothed(clock);
@@ -74,7 +74,7 @@ void smooth(Estimator& estimator, LandmarkHistory& history, RunResult& result) {
   // A covariance may be undefined here: a window knows none of the frames that have left it.
   for (const CameraEstimate& camera : smoothed) require_finite(camera.state);
   result.smoothed = smoothed;
-  if (!smoothed.empty()) history.revise(result.frames.back(), estimator.landmarks());
+  if (!result.frames.empty()) history.revise(result.frames.back(), estimator.landmarks());
 }
 
 }  // namespace

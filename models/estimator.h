@@ -92,6 +92,15 @@ class Estimator {
   // Every landmark that is in the state now.
   virtual std::vector<LandmarkEstimate> landmarks() const = 0;
 
+  // Those of them whose newest measurement is of frame `index`: cheaper where covariances cost.
+  virtual std::vector<LandmarkEstimate> landmarks_measured(int index) const {
+    std::vector<LandmarkEstimate> measured;
+    for (LandmarkEstimate& l : landmarks()) {
+      if (l.last_frame == index) measured.push_back(std::move(l));
+    }
+    return measured;
+  }
+
   // Every camera so far as later frames have corrected it, oldest first; empty for a pure filter.
   // Called once, after the last frame: a batch solves here.
   virtual std::vector<CameraEstimate> smoothed(StageListener& /*stages*/) { return {}; }

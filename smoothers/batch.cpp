@@ -35,6 +35,9 @@ class Batch final : public Estimator {
   std::vector<LandmarkEstimate> landmarks() const override {
     return landmarks_ ? *landmarks_ : window_.landmarks();
   }
+  std::vector<LandmarkEstimate> landmarks_measured(int index) const override {
+    return window_.landmarks_measured(index);
+  }
   std::vector<CameraEstimate> smoothed(StageListener& stages) override;
 
  private:

@@ -209,6 +209,7 @@ void Window::estimate_camera(const NormalEquations& equations, const Step& last)
 }
 
 std::vector<LandmarkEstimate> Window::estimate(const std::vector<int>& tracks) const {
+  if (tracks.empty()) return {};
   std::vector<LinearForm> forms;
   std::vector<LandmarkBelief> beliefs;
   for (const int track : tracks) {
@@ -238,7 +239,15 @@ std::vector<LandmarkEstimate> Window::estimate(const std::vector<int>& tracks) c
 std::vector<LandmarkEstimate> Window::landmarks() const {
   std::vector<int> tracks;
   for (const auto& [track, landmark] : landmarks_) tracks.push_back(track);
-  return tracks.empty() ? std::vector<LandmarkEstimate>{} : estimate(tracks);
+  return estimate(tracks);
+}
+
+std::vector<LandmarkEstimate> Window::landmarks_measured(int index) const {
+  std::vector<int> tracks;
+  for (const auto& [track, landmark] : landmarks_) {
+    if (landmark.record.last_frame == index) tracks.push_back(track);
+  }
+  return estimate(tracks);
 }
 
 // Cameras as they left the window, without covariances, which belong to that moment and are not

@@ -69,6 +69,7 @@ class Window : public Estimator {
   FrameReport process(const Frame& frame, StageListener& stages) override;
   CameraEstimate camera() const override { return camera_; }
   std::vector<LandmarkEstimate> landmarks() const override;
+  std::vector<LandmarkEstimate> landmarks_measured(int index) const override;
   std::vector<CameraEstimate> smoothed(StageListener& stages) override;
 
  private:
