@@ -45,7 +45,8 @@ class Batch final : public Estimator {
   void add_landmark(const LandmarkLife& life);
   void add_chain(BatchLandmark& landmark);
   void add_pixel(const BatchLandmark& landmark, int frame, const Eigen::Vector2d& pixel);
-  void refresh_noise(BatchLandmark& landmark);
+  Vector6d base(const BatchLandmark& landmark) const;
+  std::vector<Vector6d> noises(const BatchLandmark& landmark) const;
   ChainState state(const BatchLandmark& landmark) const;
   LandmarkEstimate estimate(const BatchLandmark& landmark, const NormalEquations& equations) const;
 
@@ -112,7 +113,7 @@ void Batch::add_chain(BatchLandmark& l) {
                                            graph_.variables().at(l.y).owner));
     graph_.add_factor({l.noises.back()}, noise_prior_cost());
   }
-  refresh_noise(l);
+  refresh_noise(*l.chain, base(l), noises(l), models_.object_acceleration);
 }
 
 void Batch::add_pixel(const BatchLandmark& l, int frame, const Eigen::Vector2d& pixel) {
@@ -136,15 +137,14 @@ void Batch::add_pixel(const BatchLandmark& l, int frame, const Eigen::Vector2d& 
                     window_.loss_.get());
 }
 
-void Batch::refresh_noise(BatchLandmark& l) {
-  Vector6d x;
-  x << graph_.value(l.y), graph_.value(*l.w);
-  for (std::size_t i = 0; i < l.noises.size(); ++i) {
-    ChainStep& step = l.chain->steps[i];
-    x = window_.functions_.predict(x, step.dt);
-    step.G = window_.functions_.noise_root(x, models_.object_acceleration, step.dt);
-    x += step.G * graph_.value(l.noises[i]);
-  }
+Vector6d Batch::base(const BatchLandmark& l) const {
+  return (Vector6d() << graph_.value(l.y), graph_.value(*l.w)).finished();
+}
+
+std::vector<Vector6d> Batch::noises(const BatchLandmark& l) const {
+  std::vector<Vector6d> values;
+  for (const VariableId n : l.noises) values.emplace_back(graph_.value(n));
+  return values;
 }
 
 std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
@@ -157,7 +157,7 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
   constexpr int kRounds = 3;  // the landmarks' noise follows their depths
   for (int i = 0; i < kRounds; ++i) {
     for (BatchLandmark& l : all_) {
-      if (l.w) refresh_noise(l);
+      if (l.w) refresh_noise(*l.chain, base(l), noises(l), models_.object_acceleration);
     }
     solve_with_ceres(graph_);
   }
@@ -178,17 +178,7 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
 }
 
 ChainState Batch::state(const BatchLandmark& l) const {
-  if (!l.w) {
-    ChainState state{Vector6d::Zero(), Eigen::MatrixXd::Zero(6, 3)};
-    state.x.head<3>() = graph_.value(l.y);
-    state.J.topRows<3>().setIdentity();
-    return state;
-  }
-  Vector6d base;
-  base << graph_.value(l.y), graph_.value(*l.w);
-  std::vector<Vector6d> noises;
-  for (const VariableId n : l.noises) noises.emplace_back(graph_.value(n));
-  return propagate(*l.chain, base, noises);
+  return l.w ? propagate(*l.chain, base(l), noises(l)) : static_state(graph_.value(l.y));
 }
 
 LandmarkEstimate Batch::estimate(const BatchLandmark& l, const NormalEquations& equations) const {

@@ -22,6 +22,24 @@ ChainState propagate(const Chain& chain, const Vector6d& base,
   return state;
 }
 
+void refresh_noise(Chain& chain, const Vector6d& base, const std::vector<Vector6d>& noises,
+                   double sigma_a) {
+  Vector6d x = base;
+  for (std::size_t i = 0; i < noises.size(); ++i) {
+    ChainStep& step = chain.steps[i];
+    x = chain.landmark->predict(x, step.dt);
+    step.G = chain.landmark->noise_root(x, sigma_a, step.dt);
+    x += step.G * noises[i];
+  }
+}
+
+ChainState static_state(const Eigen::Vector3d& y) {
+  ChainState state{Vector6d::Zero(), Eigen::MatrixXd::Zero(6, 3)};
+  state.x.head<3>() = y;
+  state.J.topRows<3>().setIdentity();
+  return state;
+}
+
 ChainPixelCost::ChainPixelCost(const Camera& camera, const Eigen::Vector2d& pixel, double sigma,
                                std::shared_ptr<const Chain> chain, int depth)
     : camera_(camera), pixel_(pixel), sigma_(sigma), chain_(std::move(chain)), depth_(depth) {

@@ -36,6 +36,14 @@ struct ChainState {
 // The state after noises.size() steps from the base.
 ChainState propagate(const Chain& chain, const Vector6d& base, const std::vector<Vector6d>& noises);
 
+// G of every step along the chain as it is believed now: the noise of a step depends on the depth,
+// which a smoother goes on correcting.
+void refresh_noise(Chain& chain, const Vector6d& base, const std::vector<Vector6d>& noises,
+                   double sigma_a);
+
+// The state of a landmark that is static, as a chain without steps or motion: J is 6 x 3.
+ChainState static_state(const Eigen::Vector3d& y);
+
 // (h - z) / sigma of a pixel seen `depth` >= 1 steps after the base; fails when the landmark is
 // behind the camera. Blocks: position, motion, anchor, y, w, then `depth` noises of 6.
 class ChainPixelCost final : public ceres::CostFunction {

@@ -15,18 +15,17 @@ Vector6d base_state(const Graph& graph, const WindowLandmark& landmark) {
   return x;
 }
 
+std::vector<Vector6d> noise_values(const Graph& graph, const WindowLandmark& landmark) {
+  std::vector<Vector6d> noises;
+  for (const ChainNoise& n : landmark.noises) noises.emplace_back(graph.value(n.id));
+  return noises;
+}
+
 }  // namespace
 
 ChainState Window::newest_state(const WindowLandmark& landmark) const {
-  if (!landmark.w) {
-    ChainState state{Vector6d::Zero(), Eigen::MatrixXd::Zero(6, 3)};
-    state.x.head<3>() = graph_.value(landmark.y);
-    state.J.topRows<3>().setIdentity();
-    return state;
-  }
-  std::vector<Vector6d> noises;
-  for (const ChainNoise& n : landmark.noises) noises.emplace_back(graph_.value(n.id));
-  return propagate(*landmark.chain, base_state(graph_, landmark), noises);
+  if (!landmark.w) return static_state(graph_.value(landmark.y));
+  return propagate(*landmark.chain, base_state(graph_, landmark), noise_values(graph_, landmark));
 }
 
 // The variables that newest_state's Jacobian stands for.
@@ -46,15 +45,9 @@ void Window::extend(WindowLandmark& landmark, double dt) {
   landmark.noises.push_back({noise, graph_.add_factor({noise}, noise_prior_cost())});
 }
 
-// The noise of a step depends on the depth, which the window goes on correcting.
 void Window::refresh_noise(WindowLandmark& landmark) {
-  Vector6d x = base_state(graph_, landmark);
-  for (std::size_t i = 0; i < landmark.noises.size(); ++i) {
-    ChainStep& step = landmark.chain->steps[i];
-    x = functions_.predict(x, step.dt);
-    step.G = functions_.noise_root(x, models_.object_acceleration, step.dt);
-    x += step.G * graph_.value(landmark.noises[i].id);
-  }
+  slammot::refresh_noise(*landmark.chain, base_state(graph_, landmark),
+                         noise_values(graph_, landmark), models_.object_acceleration);
 }
 
 FactorId Window::add_pixel(const WindowLandmark& landmark, const WindowPixel& z) {
