@@ -41,6 +41,10 @@ void solve_with_ceres(Graph& graph) {
   for (const auto& [id, factor] : graph.factors()) {
     std::vector<double*> blocks;
     for (const VariableId v : factor.variables) blocks.push_back(graph.data(v));
+    // A landmark that starts behind its camera has no residual there: as in Graph::linearise its
+    // measurement counts for nothing until the others have brought it to the front.
+    Eigen::VectorXd unused(factor.cost->num_residuals());
+    if (!factor.cost->Evaluate(blocks.data(), unused.data(), nullptr)) continue;
     problem.AddResidualBlock(factor.cost.get(), const_cast<ceres::LossFunction*>(factor.loss),
                              blocks);
   }
