@@ -16,13 +16,14 @@
 #include <set>
 #include <vector>
 
+#include "slammot/smoothers/far_map.h"
+
 namespace slammot {
 
 inline constexpr int kMaxBlock = 12;  // residuals of a factor, numbers of a variable
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxBlock, 1>;
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxBlock, kMaxBlock>;
 
-using VariableId = int;
 using FactorId = int;
 
 struct Variable {
@@ -81,8 +82,11 @@ class Graph {
   // w := 0 exactly: its factors must have been removed, the prior is conditioned on it.
   void fix_at_zero(VariableId id);
 
-  // Takes out variables that no factor and no prior touches any more.
+  // Takes out variables that no factor and no prior touches any more, or of the far map.
   void remove_variables(const std::set<VariableId>& ids);
+
+  // Brings variables back from the far map into the prior, at what is believed of them now.
+  void bring_back(const std::vector<VariableId>& ids);
 
   void set_value(VariableId id, const SmallVector& value) { variables_.at(id).value = value; }
 
@@ -99,6 +103,12 @@ class Graph {
   // x0 := the current estimate, for a prior (R, r) that is expressed there.
   void set_prior(std::vector<VariableId> variables, Eigen::MatrixXd R, Eigen::VectorXd r);
 
+  // The far map with its columns at the current estimate, as the prior's; K has one column for each
+  // of `columns` in all, and zeros where a variable is new to the prior.
+  FarMap far_at_estimate(const std::map<VariableId, int>& columns, int total) const;
+  // Replaces the far map; its columns are the prior's. `rested` leave the variables of the graph.
+  void set_far(FarMap far, const std::set<VariableId>& rested);
+
   // The numbers of a variable, for Ceres to move.
   double* data(VariableId id) { return variables_.at(id).value.data(); }
 
@@ -106,7 +116,9 @@ class Graph {
   const std::map<VariableId, Variable>& variables() const { return variables_; }
   const std::map<FactorId, Factor>& factors() const { return factors_; }
   const LinearPrior& prior() const { return prior_; }
-  const SmallVector& value(VariableId id) const { return variables_.at(id).value; }
+  const FarMap& far() const { return far_; }
+  // Of a variable in the far map, its mean given the current estimate of the others.
+  SmallVector value(VariableId id) const;
   bool first_estimates() const { return first_estimates_; }
 
   // The change of the tangent coordinates of a variable from x0 to x: d(x [-] x0)/dx, the identity
@@ -120,6 +132,8 @@ class Graph {
   std::map<VariableId, Variable> variables_;
   std::map<FactorId, Factor> factors_;
   LinearPrior prior_;
+  FarMap far_;
+  std::map<VariableId, Variable> resting_;  // the variables of the far map
   VariableId next_variable_ = 0;
   FactorId next_factor_ = 0;
 };

@@ -29,16 +29,19 @@ std::vector<FactorId> factors_touching(const Graph& graph, const std::set<Variab
   return touched;
 }
 
-// Leaving, then advancing, then new to the prior, then the rest of the prior as it was. So the old
-// prior stays a triangle but for its first columns, because what leaves or advances stands there.
+// Leaving, then resting, then advancing, then new to the prior, then the rest of the prior as it
+// was. So the old prior stays a triangle but for its first columns, because what leaves or advances
+// stands there.
 Columns order_columns(const Graph& graph, const std::set<VariableId>& leaving,
-                      const std::vector<Advance>& advances, const std::vector<FactorId>& touched) {
+                      const std::set<VariableId>& resting, const std::vector<Advance>& advances,
+                      const std::vector<FactorId>& touched) {
   Columns columns;
   const std::vector<VariableId>& prior = graph.prior().variables;
   for (const VariableId id : prior) {
     if (leaving.contains(id)) columns.take(graph, id);
   }
   for (const VariableId id : leaving) columns.take(graph, id);
+  for (const VariableId id : resting) columns.take(graph, id);
   for (const Advance& a : advances) {
     columns.take(graph, a.y);
     columns.take(graph, a.w);
@@ -92,35 +95,65 @@ void substitute(Eigen::MatrixXd& Ab, const Columns& columns, const Advance& adva
   Ab.middleCols<6>(columns.offset.at(advance.noise)).noalias() -= A_next * advance.G;
 }
 
+// The far map at the current estimate, in these columns, with the resting variables added to it.
+FarMap extended_far_map(const Graph& graph, const Columns& columns,
+                        const std::set<VariableId>& resting) {
+  FarMap far = graph.far_at_estimate(columns.offset, columns.total);
+  const Eigen::Index old = far.dim();
+  const Eigen::Index added = FarMap::kDim * static_cast<Eigen::Index>(resting.size());
+  far.mean.conservativeResize(old + added);
+  far.K.conservativeResize(old + added, columns.total);
+  far.K.bottomRows(added).setZero();
+  far.Sigma.conservativeResize(old + added, old + added);
+  far.Sigma.rightCols(added).setZero();
+  far.Sigma.bottomRows(added).setZero();
+  auto row = static_cast<int>(old);
+  for (const VariableId id : resting) {
+    far.offsets[id] = row;
+    far.mean.segment<FarMap::kDim>(row) = graph.value(id);
+    far.K.block<FarMap::kDim, FarMap::kDim>(row, columns.offset.at(id)).setIdentity();
+    row += FarMap::kDim;
+  }
+  return far;
+}
+
 }  // namespace
 
 void marginalise(Graph& graph, const std::set<VariableId>& leaving,
-                 const std::vector<Advance>& advances, const std::set<FactorId>& absorbed) {
-  if (leaving.empty()) return;
+                 const std::vector<Advance>& advances, const std::set<FactorId>& absorbed,
+                 const std::set<VariableId>& resting) {
+  if (leaving.empty() && resting.empty()) return;
   std::set<VariableId> concerned = leaving;
+  concerned.insert(resting.begin(), resting.end());
   for (const Advance& a : advances) concerned.insert({a.y, a.w});
   const std::vector<FactorId> touched = factors_touching(graph, concerned, absorbed);
-  const Columns columns = order_columns(graph, leaving, advances, touched);
+  const Columns columns = order_columns(graph, leaving, resting, advances, touched);
   Eigen::MatrixXd Ab = stack(graph, columns, touched);
+  FarMap far = extended_far_map(graph, columns, resting);
   for (const Advance& a : advances) {
     substitute(Ab, columns, a);
+    substitute(far.K, columns, a);
     graph.set_value(a.y, a.next.head<3>());
     graph.set_value(a.w, a.next.tail<3>());
   }
   const Eigen::MatrixXd R = triangularise(Ab);
-  int leaving_dim = 0;
+  int gone = 0;  // numbers that leave or rest
   std::vector<VariableId> remaining;
   for (const VariableId id : columns.order) {
-    if (leaving.contains(id)) {
-      leaving_dim += graph.variables().at(id).dim();
+    if (leaving.contains(id) || resting.contains(id)) {
+      gone += graph.variables().at(id).dim();
     } else {
       remaining.push_back(id);
     }
   }
-  const int kept = columns.total - leaving_dim;
+  if (far.dim() > 0) {
+    far.eliminate(R.topLeftCorner(gone, columns.total), R.col(columns.total).head(gone));
+  }
   for (const FactorId id : touched) graph.remove_factor(id);
-  graph.set_prior(std::move(remaining), R.block(leaving_dim, leaving_dim, kept, kept),
-                  R.col(columns.total).segment(leaving_dim, kept));
+  const int kept = columns.total - gone;
+  graph.set_prior(std::move(remaining), R.block(gone, gone, kept, kept),
+                  R.col(columns.total).segment(gone, kept));
+  graph.set_far(std::move(far), resting);
   graph.remove_variables(leaving);
 }
 

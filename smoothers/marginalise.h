@@ -23,9 +23,10 @@ struct Advance {
 // the leaving columns first, and keeps the rows below them: the prior of the rest. The Hessian is
 // never formed. Those factors and the leaving variables are removed from the graph. What advances
 // must have its noise among the leaving, and no factor that touches it may be wanted any longer.
-// `absorbed` factors become part of the prior too, though nothing they touch leaves.
+// `absorbed` factors become part of the prior too, though nothing they touch leaves. `resting`
+// variables, which no other factor touches, go to the far map.
 void marginalise(Graph& graph, const std::set<VariableId>& leaving,
-                 const std::vector<Advance>& advances = {},
-                 const std::set<FactorId>& absorbed = {});
+                 const std::vector<Advance>& advances = {}, const std::set<FactorId>& absorbed = {},
+                 const std::set<VariableId>& resting = {});
 
 }  // namespace slammot

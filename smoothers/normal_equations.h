@@ -21,6 +21,10 @@ struct LinearForm {
   Eigen::MatrixXd J;
 };
 
+// A form over far variables too, as one over the graph's own: returns what the far map adds to the
+// covariance, J_far Sigma J_far'.
+Eigen::MatrixXd replace_far(const Graph& graph, LinearForm& form);
+
 class NormalEquations {
  public:
   // `damping` multiplies the diagonal of H by 1 + damping (Marquardt 1963); covariances want none.

@@ -44,6 +44,8 @@ FrameReport Window::process(const Frame& frame, StageListener& stages) {
   marginalise_oldest();
   admit_known(frame, report);
 
+  bring_back_measured(frame);
+
   stages.begin("gate");
   const std::vector<Observation> accepted = gate(frame, report);
 
@@ -62,6 +64,7 @@ FrameReport Window::process(const Frame& frame, StageListener& stages) {
   stages.begin("manage");
   retire(report);
   admit_new(frame, report);
+  report.state_size = graph_.far().dim();
   for (const auto& [id, v] : graph_.variables()) report.state_size += v.dim();
   for (const auto& [track, l] : landmarks_) {
     report.negative_inverse_depth += graph_.value(l.y)(2) < 0.0;
@@ -79,6 +82,7 @@ void Window::predict(const Frame& frame) {
     Eigen::VectorXd position(3), motion(kMotionSize);
     camera_to_blocks(x, position.data(), motion.data());
     frames_.push_back({number,
+                       frame.index,
                        frame.timestamp,
                        graph_.add_variable(position, nullptr, kShared),
                        graph_.add_variable(motion, &motion_manifold_, kShared),
@@ -125,16 +129,56 @@ void Window::marginalise_oldest() {
   for (WindowLandmark* landmark : moving) {
     for (const Advance& a : leave_base(*landmark, leaving)) advances.push_back(a);
   }
-  left_anchors_.insert(oldest.position);
-  const std::set<VariableId> used = anchors();
-  for (const VariableId anchor : left_anchors_) {
-    if (!used.contains(anchor)) leaving.insert(anchor);
-  }
-  std::erase_if(left_anchors_, [&](VariableId anchor) { return leaving.contains(anchor); });
-  marginalise(graph_, leaving, advances, oldest.knowledge);
+  const std::set<VariableId> resting = rest(oldest, leaving);
+  marginalise(graph_, leaving, advances, oldest.knowledge, resting);
   for (WindowLandmark* landmark : moving) enter_base(*landmark, next);
   std::erase_if(dead_, [&](const WindowLandmark& l) { return leaving.contains(l.y); });
   frames_.pop_front();
+}
+
+// Static landmarks that no frame after the oldest has measured rest, and so do anchors of which all
+// landmarks rest; an anchor of no landmark leaves.
+std::set<VariableId> Window::rest(const WindowFrame& oldest, std::set<VariableId>& leaving) {
+  std::set<VariableId> resting, anchors_near, anchors_far;
+  for (const auto& [track, l] : landmarks_) {
+    const bool near = l.w || l.record.last_frame > oldest.index;
+    if (!near && !graph_.far().contains(l.y)) resting.insert(l.y);
+    (near ? anchors_near : anchors_far).insert(l.anchor);
+  }
+  for (const WindowLandmark& l : dead_) {
+    if (!leaving.contains(l.y)) anchors_near.insert(l.anchor);
+  }
+  left_anchors_.insert(oldest.position);
+  std::set<VariableId> unused;
+  for (const VariableId anchor : left_anchors_) {
+    if (anchors_near.contains(anchor)) continue;
+    if (!anchors_far.contains(anchor)) {
+      unused.insert(anchor);
+    } else if (!graph_.far().contains(anchor)) {
+      resting.insert(anchor);
+    }
+  }
+  for (const VariableId anchor : unused) {
+    left_anchors_.erase(anchor);
+    if (graph_.far().contains(anchor)) {
+      graph_.remove_variables({anchor});
+    } else {
+      leaving.insert(anchor);
+    }
+  }
+  return resting;
+}
+
+void Window::bring_back_measured(const Frame& frame) {
+  std::set<VariableId> back;
+  for (const Observation& z : frame.observations) {
+    const auto it = landmarks_.find(z.track);
+    if (it == landmarks_.end()) continue;
+    for (const VariableId id : {it->second.y, it->second.anchor}) {
+      if (graph_.far().contains(id)) back.insert(id);
+    }
+  }
+  graph_.bring_back({back.begin(), back.end()});
 }
 
 // As in the EKF: each measurement on its own, against the predicted joint of camera and landmark.
@@ -212,6 +256,7 @@ std::vector<LandmarkEstimate> Window::estimate(const std::vector<int>& tracks) c
   if (tracks.empty()) return {};
   std::vector<LinearForm> forms;
   std::vector<LandmarkBelief> beliefs;
+  std::vector<Eigen::MatrixXd> far;
   for (const int track : tracks) {
     const WindowLandmark& l = landmarks_.at(track);
     const ChainState landmark = newest_state(l);
@@ -226,11 +271,12 @@ std::vector<LandmarkEstimate> Window::estimate(const std::vector<int>& tracks) c
     form.J.setZero(3 + dim, 3 + landmark.J.cols());
     form.J.topLeftCorner<3, 3>().setIdentity();
     form.J.bottomRightCorner(dim, landmark.J.cols()) = landmark.J.topRows(dim);
+    far.push_back(replace_far(graph_, form));
   }
   const std::vector<Eigen::MatrixXd> P = NormalEquations(graph_).covariances(forms);
   std::vector<LandmarkEstimate> estimates;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    beliefs[i].covariance = P[i];
+    beliefs[i].covariance = P[i] + far[i];
     estimates.push_back(functions_.estimate(landmarks_.at(tracks[i]).record, beliefs[i]));
   }
   return estimates;

@@ -19,6 +19,7 @@ namespace slammot {
 
 struct WindowFrame {
   int number = 0;  // counted from the first frame processed
+  int index = 0;   // Frame::index
   double timestamp = 0.0;
   VariableId position = 0;
   VariableId motion = 0;
@@ -78,6 +79,9 @@ class Window : public Estimator {
   // window.cpp: the frame.
   void predict(const Frame& frame);
   void marginalise_oldest();
+  // What leaves with the oldest frame, and what then rests in the far map.
+  std::set<VariableId> rest(const WindowFrame& oldest, std::set<VariableId>& leaving);
+  void bring_back_measured(const Frame& frame);
   std::vector<Observation> gate(const Frame& frame, FrameReport& report);
   void add_measurements(const std::vector<Observation>& accepted);
   CameraState state(const WindowFrame& frame) const;
@@ -94,7 +98,6 @@ class Window : public Estimator {
   void condition(WindowLandmark& landmark);
   void drop(WindowLandmark& landmark);
   void retire(FrameReport& report);
-  std::set<VariableId> anchors() const;
 
   // window_chains.cpp: free landmarks through the window.
   void extend(WindowLandmark& landmark, double dt);
@@ -122,7 +125,7 @@ class Window : public Estimator {
   std::deque<WindowFrame> frames_;
   std::map<int, WindowLandmark> landmarks_;  // by track
   std::vector<WindowLandmark> dead_;         // lost, with measurements in the window
-  std::set<VariableId> left_anchors_;        // camera positions whose frame has left
+  std::set<VariableId> left_anchors_;        // camera positions whose frame has left, far ones too
   CameraEstimate camera_;
   // Cameras as they were believed when they left the window, by time.
   std::vector<std::pair<double, CameraState>> left_;

@@ -5,13 +5,6 @@
 
 namespace slammot {
 
-std::set<VariableId> Window::anchors() const {
-  std::set<VariableId> used;
-  for (const auto& [track, landmark] : landmarks_) used.insert(landmark.anchor);
-  for (const WindowLandmark& landmark : dead_) used.insert(landmark.anchor);
-  return used;
-}
-
 WindowLandmark& Window::birth(const TrackRecord& record, const Eigen::Vector2d& pixel) {
   WindowLandmark& landmark = landmarks_[record.track];
   landmark.record = record;
@@ -161,6 +154,11 @@ void Window::retire(FrameReport& report) {
   for (const int track : lost) {
     WindowLandmark& landmark = landmarks_.at(track);
     if (record_lives_) ended_lives_.push_back(life_so_far(landmark));
+    if (graph_.far().contains(landmark.y)) {
+      graph_.remove_variables({landmark.y});
+      landmarks_.erase(track);
+      continue;
+    }
     if (landmark.w) {
       end_chain(landmark);
     } else {

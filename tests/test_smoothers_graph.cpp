@@ -85,6 +85,44 @@ TEST(Marginalise, WithoutThePriorTheAnswerIsAnother) {
   EXPECT_GT((step.at(2) - solution.at(2)).norm(), 1e-3);
 }
 
+// Variables that rest in the far map while others leave, come back and are measured again.
+TEST(FarMap, ToRestAndToReturnChangesNothing) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Graph whole = linear_problem(seed), part = linear_problem(seed);
+    marginalise(part, {0}, {}, {}, {1});
+    marginalise(part, {2}, {}, {}, {5, 8});
+    marginalise(part, {3});
+    EXPECT_EQ(part.far().dim(), 9);
+
+    const std::vector<LinearForm> asked{{{1, 8, 9}, Eigen::MatrixXd::Identity(9, 9)}};
+    const Eigen::MatrixXd P = NormalEquations(whole).covariances(asked).front();
+    LinearForm form = asked.front();
+    Eigen::MatrixXd P_part = replace_far(part, form);
+    const std::vector<LinearForm> forms{form};
+    P_part += NormalEquations(part).covariances(forms).front();
+    // The order of a replaced form is that of its rows, which has not changed.
+    EXPECT_LT((P - P_part).norm(), 1e-10 * P.norm()) << "seed " << seed;
+
+    part.move(NormalEquations(part).step());
+    whole.move(NormalEquations(whole).step());
+    EXPECT_LT((part.value(5) - whole.value(5)).norm(), 1e-10);
+    part.bring_back({5, 1});
+    EXPECT_EQ(part.far().dim(), 3);
+    for (Graph* graph : {&whole, &part}) {
+      std::mt19937_64 engine(100 + seed);
+      graph->add_factor({1, 5}, std::make_unique<LinearCost>(engine));
+      graph->add_factor({5, 10}, std::make_unique<LinearCost>(engine));
+    }
+    part.rebase_prior();
+    marginalise(part, {4, 6});
+    part.move(NormalEquations(part).step());
+    whole.move(NormalEquations(whole).step());
+    for (const VariableId id : {1, 5, 7, 8, 9, 10, 11}) {
+      EXPECT_LT((part.value(id) - whole.value(id)).norm(), 1e-9) << "seed " << seed;
+    }
+  }
+}
+
 // x1 = F x0 + G n with an invertible Q = G G': the substitution against the factor Q^-1/2 (x1 - F
 // x0).
 TEST(Marginalise, AdvanceIsTheTimeUpdate) {

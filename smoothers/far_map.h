@@ -1,0 +1,54 @@
+// The part of the map that nothing in the window touches: out of view, and known only through the
+// prior's variables b. It is kept as a Gaussian conditional on them,
+//
+//   x = mean + K (b [-] b0) + e,   e ~ N(0, Sigma),
+//
+// where b0 and the order of K's columns are those of the prior (graph.h). So the window solves for
+// what it sees, at a cost that does not grow with the map, and nothing is approximated: to rest is
+// to condition, to return is to condition back (Gaussian identities; in a filter, Guivant and Nebot
+// 2001 call the same idea a compressed update).
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <set>
+#include <vector>
+
+namespace slammot {
+
+using VariableId = int;
+
+struct FarMap {
+  std::map<VariableId, int> offsets;  // first row; every variable here has three numbers
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd K;
+  Eigen::MatrixXd Sigma;
+
+  static constexpr int kDim = 3;  // anchors and y alike
+
+  int dim() const { return static_cast<int>(mean.size()); }
+  bool contains(VariableId id) const { return offsets.contains(id); }
+
+  // Rows of `ids`, in their order.
+  std::vector<int> rows(const std::vector<VariableId>& ids) const;
+
+  // Takes variables out without a trace: what remains is the marginal.
+  void forget(const std::set<VariableId>& ids);
+
+  // Marginalises the first columns of K, whose variables are R_ff d_f + R_fr d_r + r_f ~ N(0, I);
+  // R = (R_ff R_fr), columns of K in the same order.
+  void eliminate(const Eigen::MatrixXd& R, const Eigen::VectorXd& r);
+};
+
+// What returns to the prior: U (x - mean - K d) ~ N(0, I), U upper triangular.
+struct Returned {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd K;
+  Eigen::MatrixXd U;
+};
+
+// Takes `ids` out of the map and conditions the rest on them: they become the first columns of K.
+// Throws Diverged when their covariance is none.
+Returned take_back(FarMap& far, const std::vector<VariableId>& ids);
+
+}  // namespace slammot
