@@ -117,6 +117,8 @@ std::vector<ConfigurationKey> model_keys() {
              SLAMMOT_FIELD(model.policy.max_visible)),
       number("policy.lost_after", "frames without a measurement until lost", kPositive,
              SLAMMOT_FIELD(model.policy.lost_after)),
+      number("policy.missed_after", "frames that should have shown it until a static one is lost",
+             kPositive, SLAMMOT_FIELD(model.policy.missed_after)),
       choice("policy.retain", "static landmarks stay, or are lost too", {"map", "window"},
              SLAMMOT_FIELD(model.policy.retain)),
   };

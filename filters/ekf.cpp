@@ -1,11 +1,13 @@
 #include "slammot/filters/ekf.h"
 
 #include <Eigen/Cholesky>
+#include <set>
 
 #include "slammot/filters/ekf_update.h"
 #include "slammot/models/classification.h"
 #include "slammot/models/initialisation.h"
 #include "slammot/models/landmark_models.h"
+#include "slammot/models/observation.h"
 
 namespace slammot {
 namespace {
@@ -78,7 +80,10 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
       gate(state_, all, setup_.pixel_sigma * setup_.pixel_sigma, models_.gate_probability);
   report.accepted = static_cast<int>(gated.accepted.matches.size());
   report.rejected = static_cast<int>(gated.rejected.size());
-  report.out_of_view = static_cast<int>(matches.size() - all.matches.size());
+  std::set<int> out_of_view;
+  for (const Match& m : matches) out_of_view.insert(m.track);
+  for (const Match& m : all.matches) out_of_view.erase(m.track);
+  report.out_of_view = static_cast<int>(out_of_view.size());
   report.nis_sum = gated.nis_sum;
 
   stages.begin("update");
@@ -90,6 +95,7 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
     note_accepted(state_.landmarks.at(m.track).record, frame.index);
   }
   for (const int track : gated.rejected) note_rejected(state_.landmarks.at(track).record);
+  for (const int track : out_of_view) note_rejected(state_.landmarks.at(track).record);
   classify(gated.accepted.matches, frame.index);
 
   stages.begin("manage");
@@ -186,7 +192,13 @@ void Ekf::collapse(const std::vector<int>& tracks) {
 
 void Ekf::retire(FrameReport& report) {
   std::vector<int> lost;
-  for (const auto& [track, landmark] : state_.landmarks) {
+  const CameraState& c = state_.camera;
+  for (auto& [track, landmark] : state_.landmarks) {
+    if (landmark.record.unused_frames > 0) {
+      note_unused(landmark.record,
+                  in_view(setup_.camera, c.position, c.orientation,
+                          state_.anchors.at(landmark.anchor).position, landmark.y));
+    }
     if (!is_lost(landmark.record, models_.policy)) continue;
     lost.push_back(track);
     report.retired.push_back(estimate(landmark));

@@ -10,8 +10,8 @@ Innovation innovation(const JointState& state, const Camera& camera,
   Innovation result;
   for (const Match& match : matches) {
     const FilterLandmark& landmark = state.landmarks.at(match.track);
-    const auto h = observe(camera, state.camera.position, state.camera.orientation,
-                           state.anchors.at(landmark.anchor).position, landmark.y);
+    const auto h = expect(camera, state.camera.position, state.camera.orientation,
+                          state.anchors.at(landmark.anchor).position, landmark.y);
     if (!h) continue;
     result.matches.push_back(match);
     result.predicted.push_back(*h);

@@ -24,7 +24,7 @@ struct Innovation {
   int rows() const { return 2 * static_cast<int>(matches.size()); }
 };
 
-// Linearises; matches whose landmark is behind the camera are left out.
+// Linearises; matches whose landmark is not expected in view are left out (observation.h).
 Innovation innovation(const JointState& state, const Camera& camera,
                       const std::vector<Match>& matches);
 

@@ -57,7 +57,7 @@ struct LandmarkEstimate {
 struct FrameReport {
   int accepted = 0;     // measurements of landmarks in the state that passed the gate
   int rejected = 0;     // those that did not
-  int out_of_view = 0;  // measured, but predicted behind the camera
+  int out_of_view = 0;  // measured, but predicted behind the camera or far outside the image
   int admitted = 0;     // landmarks born
   std::vector<LandmarkEstimate> retired;  // the last word on each landmark removed
   double nis_sum = 0.0;  // sum over the accepted of their 2-dof normalised innovation squared

@@ -18,4 +18,21 @@ std::optional<ObservedPixel> observe(const Camera& camera, const Eigen::Vector3d
   return z;
 }
 
+std::optional<ObservedPixel> expect(const Camera& camera, const Eigen::Vector3d& r,
+                                    const Eigen::Quaterniond& R, const Eigen::Vector3d& anchor,
+                                    const Eigen::Vector3d& y) {
+  auto z = observe(camera, r, R, anchor, y);
+  if (!z) return z;
+  const Eigen::Array2d size(camera.width, camera.height);
+  const Eigen::Array2d from_centre = z->pixel.array() - 0.5 * size;
+  if (!(from_centre.abs() < 1.5 * size).all()) return std::nullopt;
+  return z;
+}
+
+bool in_view(const Camera& camera, const Eigen::Vector3d& r, const Eigen::Quaterniond& R,
+             const Eigen::Vector3d& anchor, const Eigen::Vector3d& y) {
+  const auto projection = camera.project(ray_camera(r, R, anchor, y));
+  return projection && camera.in_image(projection->pixel);
+}
+
 }  // namespace slammot

@@ -25,4 +25,16 @@ std::optional<ObservedPixel> observe(const Camera& camera, const Eigen::Vector3d
                                      const Eigen::Quaterniond& R, const Eigen::Vector3d& anchor,
                                      const Eigen::Vector3d& y);
 
+// The same for a landmark that has been measured: nothing either when the prediction lies further
+// outside the image than the image is large. There h is so curved (it has a pole at the camera's
+// plane) that its linearisation makes S meaningless: a measurement 10^5 pixels away passes the
+// gate.
+std::optional<ObservedPixel> expect(const Camera& camera, const Eigen::Vector3d& r,
+                                    const Eigen::Quaterniond& R, const Eigen::Vector3d& anchor,
+                                    const Eigen::Vector3d& y);
+
+// Whether a landmark is predicted to be in the image.
+bool in_view(const Camera& camera, const Eigen::Vector3d& r, const Eigen::Quaterniond& R,
+             const Eigen::Vector3d& anchor, const Eigen::Vector3d& y);
+
 }  // namespace slammot

@@ -12,7 +12,8 @@ struct TrackPolicy {
   int max_landmarks = 1000;    // landmarks in the state at once; later births wait
   int max_visible = 60;        // births wait while this many landmarks are being measured
   int lost_after = 5;          // frames without an accepted measurement until a landmark is lost
-  std::string retain = "map";  // map: static landmarks stay for ever; window: they are lost too
+  int missed_after = 30;       // frames that should have shown it, until a static one is lost
+  std::string retain = "map";  // map: static landmarks stay while unseen; window: they are lost too
 };
 
 struct ClassifierOptions {

@@ -21,7 +21,10 @@ void note_accepted(TrackRecord& record, int frame) {
   ++record.observations;
   record.unused_frames = 0;
   record.rejected_in_row = 0;
+  record.missed = 0;
 }
+
+void note_unused(TrackRecord& record, bool in_view) { record.missed += in_view; }
 
 void note_rejected(TrackRecord& record) { ++record.rejected_in_row; }
 
@@ -33,6 +36,7 @@ void note_decision(TrackRecord& record, Label label, int frame) {
 
 bool is_lost(const TrackRecord& record, const TrackPolicy& policy) {
   if (record.rejected_in_row > policy.lost_after) return true;
+  if (record.missed > policy.missed_after) return true;
   const bool kept_for_ever = record.label == Label::kStatic && policy.retain == "map";
   return !kept_for_ever && record.unused_frames > policy.lost_after;
 }

@@ -19,15 +19,21 @@ struct TrackRecord {
   int observations = 0;
   int unused_frames = 0;    // frames since the newest accepted measurement
   int rejected_in_row = 0;  // measurements rejected since then
+  int missed = 0;           // frames since then in which it was predicted in view
 };
 
 TrackRecord born(int track, int frame, Label label, bool first_frame);
 void note_accepted(TrackRecord& record, int frame);
 void note_rejected(TrackRecord& record);
+// After a frame that did not use the landmark: whether it was predicted to be in view.
+void note_unused(TrackRecord& record, bool in_view);
 void note_decision(TrackRecord& record, Label label, int frame);
 
 // Whether a landmark is given up after a frame. A landmark that is measured but keeps failing the
-// gate is given up whatever its label: its track then starts anew as an unknown landmark.
+// gate is given up whatever its label: its track then starts anew as an unknown landmark. A static
+// one that should be in view and is not measured any more is no landmark either: a moving point
+// frozen by a wrong label, or one that the front end no longer finds. Without this rule such ghosts
+// fill the map.
 bool is_lost(const TrackRecord& record, const TrackPolicy& policy);
 
 // The measurements, of tracks that are in no state yet, that become landmarks in this frame: all

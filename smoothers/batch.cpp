@@ -87,7 +87,7 @@ void Batch::add_landmark(const LandmarkLife& life) {
   BatchLandmark& l = all_.emplace_back();
   l.life = life;
   l.anchor = positions_[static_cast<std::size_t>(life.birth)];
-  l.y = graph_.add_variable(life.birth_state->head<3>(), nullptr, owner);
+  l.y = graph_.add_variable(life.states.front().head<3>(), nullptr, owner);
   if (life.known) {
     const auto known = window_.known_.at(life.record.track);
     graph_.add_factor({l.anchor, l.y}, known_landmark_cost(known));
@@ -95,7 +95,7 @@ void Batch::add_landmark(const LandmarkLife& life) {
     graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior));
   }
   if (life.record.label != Label::kStatic) {
-    l.w = graph_.add_variable(life.birth_state->tail<3>(), nullptr, owner);
+    l.w = graph_.add_variable(life.states.front().tail<3>(), nullptr, owner);
     add_chain(l);
   }
   for (const auto& [frame, pixel] : life.pixels) add_pixel(l, frame, pixel);
@@ -109,11 +109,13 @@ void Batch::add_chain(BatchLandmark& l) {
   for (int i = 0; i < steps; ++i) {
     const auto k = static_cast<std::size_t>(l.life.birth + i);
     l.chain->steps.push_back({timestamps_[k + 1] - timestamps_[k], Matrix6d::Zero()});
-    l.noises.push_back(graph_.add_variable(l.life.noises[static_cast<std::size_t>(i)], nullptr,
-                                           graph_.variables().at(l.y).owner));
+  }
+  const auto count = static_cast<std::ptrdiff_t>(steps) + 1;
+  const std::vector<Vector6d> x(l.life.states.begin(), l.life.states.begin() + count);
+  for (const Vector6d& n : lead_through(*l.chain, x, models_.object_acceleration)) {
+    l.noises.push_back(graph_.add_variable(n, nullptr, graph_.variables().at(l.y).owner));
     graph_.add_factor({l.noises.back()}, noise_prior_cost());
   }
-  refresh_noise(*l.chain, base(l), noises(l), models_.object_acceleration);
 }
 
 void Batch::add_pixel(const BatchLandmark& l, int frame, const Eigen::Vector2d& pixel) {
@@ -157,7 +159,10 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
   constexpr int kRounds = 3;  // the landmarks' noise follows their depths
   for (int i = 0; i < kRounds; ++i) {
     for (BatchLandmark& l : all_) {
-      if (l.w) refresh_noise(*l.chain, base(l), noises(l), models_.object_acceleration);
+      if (!l.w) continue;
+      const std::vector<Vector6d> n =
+          lead_through(*l.chain, states(*l.chain, base(l), noises(l)), models_.object_acceleration);
+      for (std::size_t k = 0; k < n.size(); ++k) graph_.set_value(l.noises[k], n[k]);
     }
     solve_with_ceres(graph_);
   }

@@ -87,6 +87,14 @@ SmallVector Graph::value(VariableId id) const {
          far_.K.middleRows<FarMap::kDim>(row) * prior_difference();
 }
 
+Graph::Values Graph::far_values() const {
+  Values values;
+  if (far_.dim() == 0) return values;
+  const Eigen::VectorXd x = far_.mean + far_.K * prior_difference();
+  for (const auto& [id, row] : far_.offsets) values[id] = x.segment<FarMap::kDim>(row);
+  return values;
+}
+
 void Graph::bring_back(const std::vector<VariableId>& ids) {
   if (ids.empty()) return;
   std::vector<SmallVector> values;
@@ -149,6 +157,7 @@ void Graph::linearise(Factor& factor) const {
   SmallVector unused(rows);
   bool valid = factor.cost->Evaluate(pointers(there).data(), unused.data(), jacobians.data());
   valid = factor.cost->Evaluate(pointers(here).data(), factor.r.data(), nullptr) && valid;
+  factor.valid = valid;
   factor.J.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const Variable& v = variables_.at(factor.variables[i]);
@@ -184,6 +193,7 @@ double Graph::cost(const Step& step) const {
   };
   double sum = 0.0;
   for (const auto& [id, factor] : factors_) {
+    if (!factor.valid) continue;
     std::vector<const SmallVector*> values;
     for (const VariableId v : factor.variables) values.push_back(at(v));
     SmallVector r(factor.cost->num_residuals());

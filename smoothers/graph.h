@@ -41,6 +41,8 @@ struct Factor {
   const ceres::LossFunction* loss = nullptr;
   std::vector<SmallMatrix> J;  // by variable, residuals x dim, at the current estimate
   SmallVector r;
+  bool valid =
+      true;  // false: it could not be evaluated there (behind the camera), J and r are zero
 };
 
 // |R (x [-] x0) + r|^2 over its variables. Empty at first.
@@ -72,7 +74,9 @@ class Graph {
   // Linearises all factors anew at the current estimate.
   void linearise();
 
-  // Half the sum of squares (with losses) at x [+] step, prior included.
+  // Half the sum of squares (with losses) at x [+] step, prior included. A factor that is not valid
+  // at x does not count: were its being so a cost, any step that ends it would be taken, however
+  // bad.
   double cost(const Step& step) const;
 
   // x := x [+] step. Stored linearisations are carried along: r += J dx, and J is expressed at the
@@ -92,6 +96,7 @@ class Graph {
 
   using Values = std::map<VariableId, SmallVector>;
   Values values() const;
+  Values far_values() const;  // as value() of each
   void restore(const Values& values);
 
   // Residual of the prior at the current estimate, and R expressed there.

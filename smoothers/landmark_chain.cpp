@@ -1,5 +1,7 @@
 #include "slammot/smoothers/landmark_chain.h"
 
+#include <Eigen/QR>
+
 #include "slammot/models/observation.h"
 #include "slammot/smoothers/camera_manifold.h"
 #include "slammot/smoothers/cost_tools.h"
@@ -22,15 +24,29 @@ ChainState propagate(const Chain& chain, const Vector6d& base,
   return state;
 }
 
-void refresh_noise(Chain& chain, const Vector6d& base, const std::vector<Vector6d>& noises,
-                   double sigma_a) {
-  Vector6d x = base;
+std::vector<Vector6d> states(const Chain& chain, const Vector6d& base,
+                             const std::vector<Vector6d>& noises) {
+  std::vector<Vector6d> x{base};
   for (std::size_t i = 0; i < noises.size(); ++i) {
+    const ChainStep& step = chain.steps[i];
+    x.push_back(chain.landmark->predict(x.back(), step.dt) + step.G * noises[i]);
+  }
+  return x;
+}
+
+std::vector<Vector6d> lead_through(Chain& chain, const std::vector<Vector6d>& states,
+                                   double sigma_a) {
+  std::vector<Vector6d> noises;
+  Vector6d x = states.front();
+  for (std::size_t i = 0; i + 1 < states.size(); ++i) {
     ChainStep& step = chain.steps[i];
     x = chain.landmark->predict(x, step.dt);
     step.G = chain.landmark->noise_root(x, sigma_a, step.dt);
-    x += step.G * noises[i];
+    // The least noise that does it best: G is singular at infinity.
+    noises.push_back(step.G.completeOrthogonalDecomposition().solve(states[i + 1] - x));
+    x += step.G * noises.back();
   }
+  return noises;
 }
 
 ChainState static_state(const Eigen::Vector3d& y) {

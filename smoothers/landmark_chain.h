@@ -36,10 +36,15 @@ struct ChainState {
 // The state after noises.size() steps from the base.
 ChainState propagate(const Chain& chain, const Vector6d& base, const std::vector<Vector6d>& noises);
 
-// G of every step along the chain as it is believed now: the noise of a step depends on the depth,
-// which a smoother goes on correcting.
-void refresh_noise(Chain& chain, const Vector6d& base, const std::vector<Vector6d>& noises,
-                   double sigma_a);
+// The states x_0 .. x_n of the chain.
+std::vector<Vector6d> states(const Chain& chain, const Vector6d& base,
+                             const std::vector<Vector6d>& noises);
+
+// G of every step along these states, and the noises that lead through them. The noise of a step
+// depends on the depth, which a smoother goes on correcting; were the noises kept while G changes,
+// the landmark would jump.
+std::vector<Vector6d> lead_through(Chain& chain, const std::vector<Vector6d>& states,
+                                   double sigma_a);
 
 // The state of a landmark that is static, as a chain without steps or motion: J is 6 x 3.
 ChainState static_state(const Eigen::Vector3d& y);

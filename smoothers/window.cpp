@@ -51,6 +51,7 @@ FrameReport Window::process(const Frame& frame, StageListener& stages) {
 
   stages.begin("optimise");
   add_measurements(accepted);
+  refresh_noises();
   const OptimiseResult optimum = optimise(graph_, options_.iterations, options_.negligible);
 
   stages.begin("covariances");
@@ -66,9 +67,6 @@ FrameReport Window::process(const Frame& frame, StageListener& stages) {
   admit_new(frame, report);
   report.state_size = graph_.far().dim();
   for (const auto& [id, v] : graph_.variables()) report.state_size += v.dim();
-  for (const auto& [track, l] : landmarks_) {
-    report.negative_inverse_depth += graph_.value(l.y)(2) < 0.0;
-  }
   return report;
 }
 
@@ -104,9 +102,7 @@ void Window::predict(const Frame& frame) {
   graph_.add_factor({last.position, last.motion, newest().position, newest().motion},
                     camera_motion_cost(camera_noise(setup_.camera_noise, x, dt), dt));
   for (auto& [track, landmark] : landmarks_) {
-    if (!landmark.w) continue;
-    refresh_noise(landmark);
-    extend(landmark, dt);
+    if (landmark.w) extend(landmark, dt);
   }
 }
 
@@ -192,10 +188,11 @@ std::vector<Observation> Window::gate(const Frame& frame, FrameReport& report) {
     if (it == landmarks_.end()) continue;
     const WindowLandmark& l = it->second;
     const ChainState landmark = newest_state(l);
-    const auto h = observe(setup_.camera, x.position, x.orientation, graph_.value(l.anchor),
-                           landmark.x.head<3>());
+    const auto h = expect(setup_.camera, x.position, x.orientation, graph_.value(l.anchor),
+                          landmark.x.head<3>());
     if (!h) {
       ++report.out_of_view;
+      note_rejected(landmarks_.at(z.track).record);
       continue;
     }
     visible.push_back(z);
@@ -301,12 +298,7 @@ std::vector<LandmarkEstimate> Window::landmarks_measured(int index) const {
 std::vector<CameraEstimate> Window::smoothed(StageListener&) {
   constexpr int kRounds = 3;  // the landmarks' noise follows their depths
   for (int i = 0; i < kRounds; ++i) {
-    for (auto& [track, landmark] : landmarks_) {
-      if (landmark.w) refresh_noise(landmark);
-    }
-    for (WindowLandmark& landmark : dead_) {
-      if (landmark.w) refresh_noise(landmark);
-    }
+    refresh_noises();
     optimise(graph_, options_.iterations, options_.negligible);
   }
   graph_.linearise();

@@ -28,6 +28,10 @@ ChainState Window::newest_state(const WindowLandmark& landmark) const {
   return propagate(*landmark.chain, base_state(graph_, landmark), noise_values(graph_, landmark));
 }
 
+std::vector<Vector6d> Window::chain_states(const WindowLandmark& landmark) const {
+  return states(*landmark.chain, base_state(graph_, landmark), noise_values(graph_, landmark));
+}
+
 // The variables that newest_state's Jacobian stands for.
 std::vector<VariableId> Window::state_variables(const WindowLandmark& landmark) const {
   std::vector<VariableId> variables{landmark.y};
@@ -46,8 +50,20 @@ void Window::extend(WindowLandmark& landmark, double dt) {
 }
 
 void Window::refresh_noise(WindowLandmark& landmark) {
-  slammot::refresh_noise(*landmark.chain, base_state(graph_, landmark),
-                         noise_values(graph_, landmark), models_.object_acceleration);
+  const std::vector<Vector6d> noises =
+      lead_through(*landmark.chain, chain_states(landmark), models_.object_acceleration);
+  for (std::size_t i = 0; i < noises.size(); ++i) {
+    graph_.set_value(landmark.noises[i].id, noises[i]);
+  }
+}
+
+void Window::refresh_noises() {
+  for (auto& [track, landmark] : landmarks_) {
+    if (landmark.w) refresh_noise(landmark);
+  }
+  for (WindowLandmark& landmark : dead_) {
+    if (landmark.w) refresh_noise(landmark);
+  }
 }
 
 FactorId Window::add_pixel(const WindowLandmark& landmark, const WindowPixel& z) {
@@ -90,10 +106,7 @@ std::vector<Advance> Window::leave_base(WindowLandmark& landmark, std::set<Varia
     return {};
   }
   const Vector6d x = base_state(graph_, landmark);
-  if (record_lives_) {
-    if (!landmark.life.birth_state) landmark.life.birth_state = x;
-    landmark.life.noises.emplace_back(graph_.value(landmark.noises.front().id));
-  }
+  if (record_lives_) landmark.life.states.push_back(x);
   leaving.insert(landmark.noises.front().id);
   for (const WindowPixel& z : landmark.pixels) {
     if (z.depth > 0) graph_.remove_factor(z.factor);
@@ -117,11 +130,10 @@ LandmarkLife Window::life_so_far(const WindowLandmark& landmark) const {
   LandmarkLife life = landmark.life;
   life.record = landmark.record;
   if (!landmark.w) {
-    life.birth_state = newest_state(landmark).x;
+    life.states = {newest_state(landmark).x};
     return life;
   }
-  if (!life.birth_state) life.birth_state = base_state(graph_, landmark);
-  for (const ChainNoise& n : landmark.noises) life.noises.emplace_back(graph_.value(n.id));
+  for (const Vector6d& x : chain_states(landmark)) life.states.push_back(x);
   return life;
 }
 

@@ -44,8 +44,7 @@ struct LandmarkLife {
   int birth = 0;  // WindowFrame::number
   bool known = false;
   std::vector<std::pair<int, Eigen::Vector2d>> pixels;  // by frame, the first one included
-  std::optional<Vector6d> birth_state;                  // (y, w), believed when the birth left
-  std::vector<Vector6d> noises;                         // of the steps that left
+  std::vector<Vector6d> states;  // (y, w) by frame from the birth; of a static one its last
   TrackRecord record;
 };
 
@@ -102,6 +101,8 @@ class Window : public Estimator {
   // window_chains.cpp: free landmarks through the window.
   void extend(WindowLandmark& landmark, double dt);
   void refresh_noise(WindowLandmark& landmark);
+  void refresh_noises();
+  std::vector<Vector6d> chain_states(const WindowLandmark& landmark) const;
   ChainState newest_state(const WindowLandmark& landmark) const;
   std::vector<VariableId> state_variables(const WindowLandmark& landmark) const;
   FactorId add_pixel(const WindowLandmark& landmark, const WindowPixel& pixel);

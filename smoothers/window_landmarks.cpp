@@ -1,5 +1,6 @@
 // The life of landmarks in the window: birth, classification, collapse to static, death.
 #include "slammot/models/initialisation.h"
+#include "slammot/models/observation.h"
 #include "slammot/smoothers/factors.h"
 #include "slammot/smoothers/window_estimator.h"
 
@@ -146,7 +147,20 @@ void Window::drop(WindowLandmark& landmark) {
 
 void Window::retire(FrameReport& report) {
   std::vector<int> lost;
-  for (const auto& [track, landmark] : landmarks_) {
+  const CameraState c = state(newest());
+  const Graph::Values far = graph_.far_values();
+  const auto value = [&](VariableId id) {
+    const auto it = far.find(id);
+    return Eigen::Vector3d(it == far.end() ? graph_.value(id) : it->second);
+  };
+  for (auto& [track, landmark] : landmarks_) {
+    if (landmark.record.unused_frames > 0) {
+      const Eigen::Vector3d y =
+          landmark.w ? Eigen::Vector3d(newest_state(landmark).x.head<3>()) : value(landmark.y);
+      note_unused(landmark.record,
+                  in_view(setup_.camera, c.position, c.orientation, value(landmark.anchor), y));
+    }
+    report.negative_inverse_depth += value(landmark.y)(2) < 0.0;
     if (is_lost(landmark.record, models_.policy)) lost.push_back(track);
   }
   if (lost.empty()) return;
