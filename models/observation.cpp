@@ -2,10 +2,17 @@
 
 namespace slammot {
 
+namespace {
+
+constexpr double kNearest = 0.01;  // [m]
+
+}  // namespace
+
 std::optional<ObservedPixel> observe(const Camera& camera, const Eigen::Vector3d& r,
                                      const Eigen::Quaterniond& R, const Eigen::Vector3d& anchor,
                                      const Eigen::Vector3d& y) {
   const Eigen::Vector3d ray = ray_camera(r, R, anchor, y);
+  if (ray.norm() < kNearest * y.z()) return std::nullopt;
   const auto projection = camera.project(ray);
   if (!projection) return std::nullopt;
   const Matrix23d J_pixel_world = projection->J_pixel_ray * R.conjugate().toRotationMatrix();

@@ -20,7 +20,8 @@ struct ObservedPixel {
   Matrix23d J_y;  // with respect to (theta, phi, rho)
 };
 
-// Nothing when the landmark lies behind the camera.
+// Nothing when the landmark lies behind the camera, or within a centimetre of it: at the camera
+// itself every pixel costs nothing, and a smoother would be drawn into that pole.
 std::optional<ObservedPixel> observe(const Camera& camera, const Eigen::Vector3d& r,
                                      const Eigen::Quaterniond& R, const Eigen::Vector3d& anchor,
                                      const Eigen::Vector3d& y);

@@ -26,7 +26,7 @@ struct ClassifierOptions {
 };
 
 struct ModelOptions {
-  std::string landmark = "dynamic_inverse_depth";  // a row of the estimators' landmark tables
+  std::string landmark = "scaled_velocity";  // a row of the estimators' landmark tables
   std::string collapse =
       "drop";  // on static: `drop` marginalises v (thesis), `condition` uses v = 0
   double object_acceleration = 1.0;  // sigma of unknown and moving landmarks' acceleration [m/s^2]

@@ -85,6 +85,41 @@ TEST(Marginalise, WithoutThePriorTheAnswerIsAnother) {
   EXPECT_GT((step.at(2) - solution.at(2)).norm(), 1e-3);
 }
 
+// x^2 - y, which has another Jacobian wherever it is evaluated.
+class SquareCost final : public ceres::SizedCostFunction<1, 1, 1> {
+ public:
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    residuals[0] = x[0][0] * x[0][0] - x[1][0];
+    if (jacobians && jacobians[0]) jacobians[0][0] = 2.0 * x[0][0];
+    if (jacobians && jacobians[1]) jacobians[1][0] = -1.0;
+    return true;
+  }
+};
+
+// A variable that a prior touches is linearised where it was then, and elsewhere it is not: first
+// estimates (Huang, Mourikis and Roumeliotis 2010).
+TEST(FirstEstimates, JacobiansBesideThePriorStay) {
+  for (const bool first_estimates : {false, true}) {
+    Graph graph(first_estimates);
+    const Eigen::VectorXd three = Eigen::VectorXd::Constant(1, 3.0);
+    const VariableId old = graph.add_variable(three, nullptr, -1);
+    const VariableId x = graph.add_variable(three, nullptr, -1);
+    const VariableId y = graph.add_variable(three, nullptr, -1);
+    graph.add_factor({old, x}, std::make_unique<SquareCost>());
+    graph.add_factor({x, old}, std::make_unique<SquareCost>());
+    marginalise(graph, {old});
+    const FactorId beside = graph.add_factor({x, y}, std::make_unique<SquareCost>());
+    const FactorId apart = graph.add_factor({y, x}, std::make_unique<SquareCost>());
+    Step step;
+    step[x] = step[y] = SmallVector::Constant(1, 2.0);
+    graph.move(step);
+    graph.linearise();
+    EXPECT_DOUBLE_EQ(graph.factors().at(beside).J[0](0, 0), first_estimates ? 6.0 : 10.0);
+    EXPECT_DOUBLE_EQ(graph.factors().at(beside).r(0), 20.0);
+    EXPECT_DOUBLE_EQ(graph.factors().at(apart).J[0](0, 0), 10.0);
+  }
+}
+
 // Variables that rest in the far map while others leave, come back and are measured again.
 TEST(FarMap, ToRestAndToReturnChangesNothing) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
