@@ -57,6 +57,7 @@ int main(int argc, char** argv) {
     outcome.diverged = run.diverged.has_value();
     outcome.filtered = mean_nees(sequence, run.filtered);
     if (!run.smoothed.empty()) outcome.smoothed = mean_nees(sequence, run.smoothed);
+    std::fprintf(stderr, "seed %d done: %.3f %.3f\n", i + 1, outcome.filtered, outcome.smoothed);
   });
   double filtered = 0.0, smoothed = 0.0;
   int diverged = 0;

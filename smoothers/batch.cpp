@@ -44,6 +44,7 @@ class Batch final : public Estimator {
   void add_cameras();
   void add_landmark(const LandmarkLife& life);
   void add_chain(BatchLandmark& landmark);
+  void leave_out_poles();
   void add_pixel(const BatchLandmark& landmark, int frame, const Eigen::Vector2d& pixel);
   Vector6d base(const BatchLandmark& landmark) const;
   std::vector<Vector6d> noises(const BatchLandmark& landmark) const;
@@ -149,6 +150,21 @@ std::vector<Vector6d> Batch::noises(const BatchLandmark& l) const {
   return values;
 }
 
+// A moving landmark that may pass through the camera can explain any pixel there: the solution is
+// drawn to that pole and then held by its edge (observation.h), all of it. A measurement of a
+// landmark that has come so near says nothing of the rest and is left out.
+void Batch::leave_out_poles() {
+  constexpr double kNear = 0.05;                                            // [m]
+  const double steepest = setup_.camera.fx / (kNear * setup_.pixel_sigma);  // of d residual / dr
+  graph_.linearise();
+  std::vector<FactorId> out;
+  for (const auto& [id, factor] : graph_.factors()) {
+    const bool is_pixel = factor.r.size() == 2 && factor.variables.size() >= 4;
+    if (is_pixel && (!factor.valid || factor.J[0].norm() > steepest)) out.push_back(id);
+  }
+  for (const FactorId id : out) graph_.remove_factor(id);
+}
+
 std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
   stages.begin("batch");
   add_cameras();
@@ -156,7 +172,7 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
   for (const auto& [track, landmark] : window_.landmarks_) {
     add_landmark(window_.life_so_far(landmark));
   }
-  constexpr int kRounds = 3;  // the landmarks' noise follows their depths
+  constexpr int kRounds = 4;  // the landmarks' noise follows their depths
   for (int i = 0; i < kRounds; ++i) {
     for (BatchLandmark& l : all_) {
       if (!l.w) continue;
@@ -164,6 +180,7 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
           lead_through(*l.chain, states(*l.chain, base(l), noises(l)), models_.object_acceleration);
       for (std::size_t k = 0; k < n.size(); ++k) graph_.set_value(l.noises[k], n[k]);
     }
+    if (i > 0) leave_out_poles();
     solve_with_ceres(graph_);
   }
   stages.begin("batch_covariances");
