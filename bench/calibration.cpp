@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -34,11 +35,12 @@ int main(int argc, char** argv) {
   openblas_set_num_threads(1);
   std::string name = "ekf";
   int runs = 50;
-  std::vector<std::string> settings;
+  std::vector<std::string> settings, scene;
   CLI::App app("slammot calibration: ANEES of the pose on `matched`, labels given");
   app.add_option("--estimator", name, "a row of the registry");
   app.add_option("--runs", runs, "seeds 1 to this");
   app.add_option("--set", settings, "configuration keys");
+  app.add_option("--scenario", scene, "parameters of `matched`, KEY=VALUE");
   CLI11_PARSE(app, argc, argv);
 
   // `matched` draws velocities in metres, as this landmark model believes.
@@ -48,10 +50,15 @@ int main(int argc, char** argv) {
   for (const std::string& text : settings) {
     slammot::assign(configuration, slammot::parse_assignment(text));
   }
+  std::map<std::string, std::string> parameters;
+  for (const std::string& text : scene) {
+    const slammot::Assignment a = slammot::parse_assignment(text);
+    parameters[a.key] = a.value;
+  }
   std::vector<Outcome> outcomes(static_cast<std::size_t>(runs));
   tbb::parallel_for(0, runs, [&](int i) {
     const slammot::Sequence sequence =
-        slammot::simulate("matched", {}, static_cast<unsigned>(i + 1));
+        slammot::simulate("matched", parameters, static_cast<unsigned>(i + 1));
     const slammot::RunResult run = slammot::run_estimator(sequence, configuration, name);
     Outcome& outcome = outcomes[static_cast<std::size_t>(i)];
     outcome.diverged = run.diverged.has_value();

@@ -17,7 +17,7 @@ Parameters parameters(MatchedOptions& o) {
        {"inverse_depth", "mean at birth [1/m]", &o.prior.inverse_depth, kAbove0},
        {"inverse_depth_sigma", "at birth [1/m]", &o.prior.inverse_depth_sigma, kAbove0},
        {"max_speed", "twice the sigma of a velocity at birth [m/s]", &o.prior.max_speed, kAbove0},
-       {"object_acceleration", "sigma of moving landmarks [m/s^2]", &o.object_acceleration, 0},
+       {"object_acceleration", "sigma of moving landmarks [m/s^2]", &o.prior.acceleration, 0},
        {"acceleration", "sigma of the camera [m/s^2]", &o.motion.acceleration, kAbove0},
        {"angular_acceleration", "sigma of the camera [rad/s^2]", &o.motion.angular_acceleration,
         kAbove0},
@@ -75,7 +75,7 @@ class MatchedScene {
     sequence_.prior = options.prior;
     sequence_.initial = options.initial;
     const Eigen::Matrix2d pattern = white_noise_pattern(options.recording.dt());
-    noise_factor_ = options.object_acceleration * Eigen::Matrix2d(pattern.llt().matrixL());
+    noise_factor_ = options.prior.acceleration * Eigen::Matrix2d(pattern.llt().matrixL());
   }
 
   void add_frame(const CameraState& camera) {

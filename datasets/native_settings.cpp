@@ -45,6 +45,8 @@ LandmarkPrior read_prior(YamlMap map) {
   prior.inverse_depth = map.real("inverse_depth");
   prior.inverse_depth_sigma = map.positive("inverse_depth_sigma");
   prior.max_speed = map.positive("max_speed");
+  if (map.has("acceleration")) prior.acceleration = map.real("acceleration");
+  if (prior.acceleration < 0.0) map.refuse(map.take("acceleration"), "'acceleration' is negative");
   map.finish();
   return prior;
 }

@@ -53,8 +53,9 @@ Text settings_text(const Sequence& s) {
         s.motion->angular_acceleration);
   }
   if (s.prior) {
-    put(text, "prior: {{inverse_depth: {}, inverse_depth_sigma: {}, max_speed: {}}}\n",
+    put(text, "prior: {{inverse_depth: {}, inverse_depth_sigma: {}, max_speed: {}",
         s.prior->inverse_depth, s.prior->inverse_depth_sigma, s.prior->max_speed);
+    put(text, ", acceleration: {}}}\n", s.prior->acceleration);
   }
   return text;
 }

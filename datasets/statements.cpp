@@ -15,6 +15,7 @@ Parameters parameters(StatementOptions& o) {
       {"initial_angular_velocity_sigma", "of the angular velocity stated [rad/s]",
        &o.initial_angular_velocity_sigma, kAbove0},
       {"stated_max_speed", "of moving points [m/s]", &o.max_speed, kAbove0},
+      {"stated_object_acceleration", "sigma of moving points [m/s^2]", &o.object_acceleration, 0},
       {"stated_acceleration", "sigma [m/s^2]; covers the truth", &o.acceleration, kAbove0},
       {"stated_angular_acceleration", "sigma [rad/s^2]; covers the truth", &o.angular_acceleration,
        kAbove0},
@@ -106,6 +107,7 @@ void state(const StatementOptions& options, const LandmarkPrior& scene, std::uin
   prior.inverse_depth = options.inverse_depth.value_or(prior.inverse_depth);
   prior.inverse_depth_sigma = options.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
   prior.max_speed = options.max_speed;
+  prior.acceleration = options.object_acceleration;
   sequence.prior = prior;
 }
 

@@ -10,6 +10,7 @@ struct StatementOptions {
   double initial_velocity_sigma = 0.1;          // [m/s]
   double initial_angular_velocity_sigma = 0.1;  // [rad/s]
   double max_speed = 2.0;                       // [m/s]
+  double object_acceleration = 0.1;             // [m/s^2]; the moving points keep their velocity
   std::optional<double> acceleration;           // [m/s^2]
   std::optional<double> angular_acceleration;   // [rad/s^2]
   std::optional<double> inverse_depth;          // [1/m]

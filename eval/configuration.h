@@ -30,6 +30,7 @@ struct PriorConfiguration {
   std::optional<double> inverse_depth;        // [1/m]
   std::optional<double> inverse_depth_sigma;  // [1/m]
   std::optional<double> max_speed;            // [m/s]
+  std::optional<double> acceleration;         // [m/s^2]
 };
 
 struct InitialConfiguration {

@@ -14,7 +14,8 @@ namespace {
 
 using Path = std::filesystem::path;
 
-constexpr char kGenerator[] = "report/compare_report.py";
+constexpr char kCompare[] = "report/compare_report.py";
+constexpr char kStudy[] = "report/study_report.py";
 
 // Without a shell, so that no character of a path means anything.
 bool run_program(std::vector<std::string> words) {
@@ -39,19 +40,29 @@ std::optional<Path> share_folder() {
   if (!program.empty()) candidates.push_back(program.parent_path() / ".." / "share" / "slammot");
   candidates.emplace_back(SLAMMOT_SOURCE_SHARE);
   for (const Path& candidate : candidates) {
-    if (std::filesystem::exists(candidate / kGenerator, ignored)) return candidate;
+    if (std::filesystem::exists(candidate / kCompare, ignored)) return candidate;
   }
   return std::nullopt;
 }
 
-std::optional<Path> write_compare_report(const Path& output) {
+namespace {
+
+std::optional<Path> write_report(const char* generator, const Path& output) {
   const std::optional<Path> share = share_folder();
   if (!share) return std::nullopt;
   const Path report = output / "report.html";
-  if (!run_program({"python3", (*share / kGenerator).string(), output.string()})) {
+  if (!run_program({"/usr/bin/python3", (*share / generator).string(), output.string()})) {
     return std::nullopt;
   }
   return std::filesystem::exists(report) ? std::optional(report) : std::nullopt;
 }
+
+}  // namespace
+
+std::optional<Path> write_compare_report(const Path& output) {
+  return write_report(kCompare, output);
+}
+
+std::optional<Path> write_study_report(const Path& output) { return write_report(kStudy, output); }
 
 }  // namespace slammot

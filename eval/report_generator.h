@@ -14,4 +14,8 @@ std::optional<std::filesystem::path> share_folder();
 // generator is missing or failed (it says why on stderr).
 std::optional<std::filesystem::path> write_compare_report(const std::filesystem::path& output);
 
+// The same from a study's summary.json; figures and tables go to `output`/figures and
+// `output`/tables.
+std::optional<std::filesystem::path> write_study_report(const std::filesystem::path& output);
+
 }  // namespace slammot

@@ -125,7 +125,7 @@ void Ekf::predict(double timestamp) {
     const Vector6d x = landmark_.predict(landmark.x(), dt);
     landmark.y = x.head<3>();
     landmark.w = x.tail<3>();
-    const Matrix6d G = landmark_.noise_root(x, models_.object_acceleration, dt);
+    const Matrix6d G = landmark_.noise_root(x, setup_.prior.acceleration, dt);
     P.propagate(landmark.block, F, G * G.transpose());
   }
 }

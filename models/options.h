@@ -29,8 +29,7 @@ struct ModelOptions {
   std::string landmark = "scaled_velocity";  // a row of the estimators' landmark tables
   std::string collapse =
       "drop";  // on static: `drop` marginalises v (thesis), `condition` uses v = 0
-  double object_acceleration = 1.0;  // sigma of unknown and moving landmarks' acceleration [m/s^2]
-  double gate_probability = 0.95;    // of a correct measurement passing the chi-square gate
+  double gate_probability = 0.95;  // of a correct measurement passing the chi-square gate
   ClassifierOptions classifier;
   TrackPolicy policy;
 };

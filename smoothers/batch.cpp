@@ -45,6 +45,7 @@ class Batch final : public Estimator {
   void add_landmark(const LandmarkLife& life);
   void add_chain(BatchLandmark& landmark);
   void leave_out_poles();
+  double refresh_noises();  // as Window's
   void add_pixel(const BatchLandmark& landmark, int frame, const Eigen::Vector2d& pixel);
   Vector6d base(const BatchLandmark& landmark) const;
   std::vector<Vector6d> noises(const BatchLandmark& landmark) const;
@@ -113,7 +114,7 @@ void Batch::add_chain(BatchLandmark& l) {
   }
   const auto count = static_cast<std::ptrdiff_t>(steps) + 1;
   const std::vector<Vector6d> x(l.life.states.begin(), l.life.states.begin() + count);
-  for (const Vector6d& n : lead_through(*l.chain, x, models_.object_acceleration)) {
+  for (const Vector6d& n : lead_through(*l.chain, x, setup_.prior.acceleration)) {
     l.noises.push_back(graph_.add_variable(n, nullptr, graph_.variables().at(l.y).owner));
     graph_.add_factor({l.noises.back()}, noise_prior_cost());
   }
@@ -165,6 +166,20 @@ void Batch::leave_out_poles() {
   for (const FactorId id : out) graph_.remove_factor(id);
 }
 
+double Batch::refresh_noises() {
+  double change = 0.0;
+  for (BatchLandmark& l : all_) {
+    if (!l.w) continue;
+    const std::vector<Vector6d> n =
+        lead_through(*l.chain, states(*l.chain, base(l), noises(l)), setup_.prior.acceleration);
+    for (std::size_t k = 0; k < n.size(); ++k) {
+      change = std::max(change, (n[k] - graph_.value(l.noises[k])).cwiseAbs().maxCoeff());
+      graph_.set_value(l.noises[k], n[k]);
+    }
+  }
+  return change;
+}
+
 std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
   stages.begin("batch");
   add_cameras();
@@ -172,15 +187,9 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
   for (const auto& [track, landmark] : window_.landmarks_) {
     add_landmark(window_.life_so_far(landmark));
   }
-  constexpr int kRounds = 4;  // the landmarks' noise follows their depths
-  for (int i = 0; i < kRounds; ++i) {
-    for (BatchLandmark& l : all_) {
-      if (!l.w) continue;
-      const std::vector<Vector6d> n =
-          lead_through(*l.chain, states(*l.chain, base(l), noises(l)), models_.object_acceleration);
-      for (std::size_t k = 0; k < n.size(); ++k) graph_.set_value(l.noises[k], n[k]);
-    }
-    if (i > 0) leave_out_poles();
+  solve_with_ceres(graph_);
+  for (int i = 0; i < kMaxRefreshes && refresh_noises() > kNegligibleNoise; ++i) {
+    leave_out_poles();
     solve_with_ceres(graph_);
   }
   stages.begin("batch_covariances");

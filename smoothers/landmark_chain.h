@@ -46,6 +46,11 @@ std::vector<Vector6d> states(const Chain& chain, const Vector6d& base,
 std::vector<Vector6d> lead_through(Chain& chain, const std::vector<Vector6d>& states,
                                    double sigma_a);
 
+// The smoothers solve, refresh the noises (lead_through) and solve again until no noise changes by
+// more than this [sigma], or so often.
+inline constexpr double kNegligibleNoise = 1e-7;
+inline constexpr int kMaxRefreshes = 20;
+
 // The state of a landmark that is static, as a chain without steps or motion: J is 6 x 3.
 ChainState static_state(const Eigen::Vector3d& y);
 

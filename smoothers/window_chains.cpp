@@ -44,26 +44,32 @@ std::vector<VariableId> Window::state_variables(const WindowLandmark& landmark) 
 void Window::extend(WindowLandmark& landmark, double dt) {
   const Vector6d predicted = functions_.predict(newest_state(landmark).x, dt);
   landmark.chain->steps.push_back(
-      {dt, functions_.noise_root(predicted, models_.object_acceleration, dt)});
+      {dt, functions_.noise_root(predicted, setup_.prior.acceleration, dt)});
   const VariableId noise = graph_.add_variable(Vector6d::Zero(), nullptr, landmark.record.track);
   landmark.noises.push_back({noise, graph_.add_factor({noise}, noise_prior_cost())});
 }
 
-void Window::refresh_noise(WindowLandmark& landmark) {
+double Window::refresh_noise(WindowLandmark& landmark) {
   const std::vector<Vector6d> noises =
-      lead_through(*landmark.chain, chain_states(landmark), models_.object_acceleration);
+      lead_through(*landmark.chain, chain_states(landmark), setup_.prior.acceleration);
+  double change = 0.0;
   for (std::size_t i = 0; i < noises.size(); ++i) {
-    graph_.set_value(landmark.noises[i].id, noises[i]);
+    const VariableId id = landmark.noises[i].id;
+    change = std::max(change, (noises[i] - graph_.value(id)).cwiseAbs().maxCoeff());
+    graph_.set_value(id, noises[i]);
   }
+  return change;
 }
 
-void Window::refresh_noises() {
+double Window::refresh_noises() {
+  double change = 0.0;
   for (auto& [track, landmark] : landmarks_) {
-    if (landmark.w) refresh_noise(landmark);
+    if (landmark.w) change = std::max(change, refresh_noise(landmark));
   }
   for (WindowLandmark& landmark : dead_) {
-    if (landmark.w) refresh_noise(landmark);
+    if (landmark.w) change = std::max(change, refresh_noise(landmark));
   }
+  return change;
 }
 
 FactorId Window::add_pixel(const WindowLandmark& landmark, const WindowPixel& z) {

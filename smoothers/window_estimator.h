@@ -100,8 +100,9 @@ class Window : public Estimator {
 
   // window_chains.cpp: free landmarks through the window.
   void extend(WindowLandmark& landmark, double dt);
-  void refresh_noise(WindowLandmark& landmark);
-  void refresh_noises();
+  // The noises follow the landmarks' depths; the largest change of one, in sigmas.
+  double refresh_noise(WindowLandmark& landmark);
+  double refresh_noises();
   std::vector<Vector6d> chain_states(const WindowLandmark& landmark) const;
   ChainState newest_state(const WindowLandmark& landmark) const;
   std::vector<VariableId> state_variables(const WindowLandmark& landmark) const;

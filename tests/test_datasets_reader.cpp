@@ -92,6 +92,7 @@ TEST(NativeReader, ReadsEverything) {
   EXPECT_EQ(s.pixel_sigma, 1.5);
   EXPECT_EQ(s.motion->angular_acceleration, 5.0);
   EXPECT_EQ(s.prior->inverse_depth_sigma, 0.15);
+  EXPECT_EQ(s.prior->acceleration, 1.0);  // not stated: the default
   ASSERT_EQ(s.frames.size(), 3u);
   ASSERT_EQ(s.frames[0].observations.size(), 2u);
   EXPECT_EQ(s.frames[0].observations[0].track, 3);  // sorted

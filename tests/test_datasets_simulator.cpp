@@ -332,7 +332,7 @@ TEST(Matched, DrawsFromTheModels) {
   }
   expect_normal(draws.inverse_depths, 0.2, 0.03);
   expect_normal(draws.velocities, 0.0, 1.0);
-  expect_normal(draws.accelerations, 0.0, 1.0);
+  expect_normal(draws.accelerations, 0.0, 0.1);
   const double n = static_cast<double>(draws.camera.size());
   EXPECT_NEAR(mean(draws.camera), 1.0, 4.0 * std::sqrt(2.0 / 12.0 / n));
   EXPECT_NEAR(mean(draws.initial), 1.0, 4.0 * std::sqrt(2.0 / 6.0 / 40.0));
