@@ -8,6 +8,8 @@
 namespace slammot {
 
 void add_compare(CLI::App& app, int& exit_code);
+void add_study(CLI::App& app, int& exit_code);
+void add_report(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_evaluate(CLI::App& app, int& exit_code);

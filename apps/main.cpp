@@ -47,6 +47,8 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   slammot::add_compare(app, exit_code);
   slammot::add_run(app, exit_code);
+  slammot::add_study(app, exit_code);
+  slammot::add_report(app, exit_code);
   slammot::add_simulate(app, exit_code);
   slammot::add_evaluate(app, exit_code);
   slammot::add_list(app, exit_code);

@@ -1,5 +1,5 @@
-// Progress on a terminal: what is done, frames a second, and the time left. Silent when stderr is
-// not a terminal.
+// Progress on a terminal: what is done, frames (or runs) a second, and the time left. Silent when
+// stderr is not a terminal.
 #pragma once
 
 #include <chrono>
@@ -9,7 +9,7 @@ namespace slammot {
 
 class Progress {
  public:
-  Progress();
+  explicit Progress(std::string unit = "frame", std::string units = "frames");
   ~Progress() { clear(); }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -20,7 +20,9 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
 
+  std::string unit_, units_;
   bool on_terminal_;
+  int before_ = 0;  // done when the clock was set
   std::string label_;
   Clock::time_point start_;
   Clock::time_point shown_;

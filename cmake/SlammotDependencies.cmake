@@ -4,6 +4,7 @@ find_package(Ceres 2.1 REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(fmt REQUIRED)
+find_package(TBB REQUIRED)
 find_package(CLI11 REQUIRED)
 
 # OpenBLAS by name: Debian's alternatives may point libblas at the slow reference implementation.

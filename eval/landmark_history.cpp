@@ -2,7 +2,17 @@
 
 #include <set>
 
+#include "slammot/eval/nees.h"
+
 namespace slammot {
+
+namespace {
+
+double nees_if_defined(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
+  return error.hasNaN() || covariance.hasNaN() ? kUndefined : nees(error, covariance);
+}
+
+}  // namespace
 
 void LandmarkHistory::add(int frame, const std::vector<LandmarkEstimate>& landmarks) {
   newest_frame_ = frame;
@@ -41,9 +51,12 @@ void LandmarkHistory::sample(int frame, const LandmarkEstimate& landmark) {
   if (truth == sequence_.landmarks.end()) return;
   const TruePoint* point = truth->second.at(frame);
   if (point == nullptr) return;
+  const Eigen::Vector3d position_error = landmark.position - point->position;
+  const Eigen::Vector3d velocity_error = landmark.velocity - point->velocity;
   samples_.push_back({landmark.track, frame, landmark.observations, truth->second.label,
-                      (landmark.position - point->position).norm(),
-                      (landmark.velocity - point->velocity).norm()});
+                      position_error.norm(), velocity_error.norm(),
+                      nees_if_defined(position_error, landmark.position_covariance),
+                      nees_if_defined(velocity_error, landmark.velocity_covariance)});
 }
 
 std::vector<LandmarkRecord> LandmarkHistory::latest() const {

@@ -54,6 +54,8 @@ struct LandmarkSample {
   Label truth = Label::kStatic;
   double position_error = kUndefined;  // [m]
   double velocity_error = kUndefined;  // [m/s]
+  double position_nees = kUndefined;   // 3
+  double velocity_nees = kUndefined;   // 3
 };
 
 struct Divergence {

@@ -4,10 +4,6 @@
 The page needs nothing but itself: Plotly is carried inside. Silent on success; exit 2 and one line on
 stderr for bad input, a missing package or a page that cannot be written.
 """
-import base64
-import gzip
-import importlib.util
-import json
 import pathlib
 import sys
 
@@ -15,50 +11,19 @@ import figures
 import tables
 import verdict
 from comparison import BadInput, read_comparison
-
-HERE = pathlib.Path(__file__).resolve().parent
-
-
-def plotly_source():
-    """Plotly's JavaScript as Debian's python3-plotly ships it, or as the wheel does."""
-    candidates = [pathlib.Path("/usr/share/python3-plotly/plotly.js")]
-    found = importlib.util.find_spec("plotly")
-    if found and found.origin:
-        candidates.append(pathlib.Path(found.origin).parent / "package_data" / "plotly.min.js")
-    for path in candidates:
-        if path.is_file():
-            return path.read_bytes()
-    raise BadInput("plotly.js: not found; install python3-plotly")
-
-
-def packed(source):
-    """Compressed, as text: a third of the size, and the same bytes every time."""
-    return base64.b64encode(gzip.compress(source, 9, mtime=0)).decode("ascii")
-
-
-def embedded_json(value):
-    """JSON that no `</script>` inside can end."""
-    return json.dumps(value, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
-
+from page import embedded_json, packed, plotly_source, template, text_of
 
 def page(comparison):
-    try:
-        import jinja2
-    except ImportError as error:
-        raise BadInput("jinja2: not found; install python3-jinja2") from error
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(HERE), autoescape=True, undefined=jinja2.StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True)
     charts = {name: figure for name, figure in (
         ("trajectory", figures.trajectory(comparison)),
         ("position_error", figures.position_error(comparison)),
         ("nees", figures.nees(comparison)),
         ("runtime", figures.runtime(comparison))) if figure}
-    return environment.get_template("compare.html").render(
+    return template("compare.html").render(
         comparison=comparison, charts=charts, charts_json=embedded_json(charts),
         findings=verdict.findings(comparison), verdict=verdict, tables=tables, plotly=packed(plotly_source()),
-        style=(HERE / "page.css").read_text(encoding="utf-8"),
-        script=(HERE / "page.js").read_text(encoding="utf-8"))
+        style=text_of("page.css"),
+        script=text_of("page.js"))
 
 
 def main(arguments):

@@ -1,0 +1,121 @@
+// slammot study STUDY.yaml: scenarios x estimators x swept values x seeds, in parallel.
+#include <fmt/format.h>
+
+#include <fstream>
+#include <memory>
+#include <thread>
+
+#include "slammot/apps/commands.h"
+#include "slammot/apps/progress.h"
+#include "slammot/eval/report_generator.h"
+#include "slammot/eval/study_driver.h"
+#include "slammot/eval/study_summary.h"
+#include "slammot/eval/study_view.h"
+
+namespace slammot {
+namespace {
+
+struct StudyArguments {
+  std::string study;
+  std::string output;
+  std::string shard;
+  std::vector<std::string> merge;
+  bool merge_only = false;
+  bool resume = false;
+  int runs = 0;
+  int jobs = 0;
+};
+
+Shard parse_shard(const std::string& text) {
+  Shard shard;
+  if (text.empty()) return shard;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d/%d%c", &shard.index, &shard.count, &rest) != 2 ||
+      shard.index < 1 || shard.index > shard.count) {
+    throw std::invalid_argument("--shard must be I/N with 1 <= I <= N, not '" + text + "'");
+  }
+  return shard;
+}
+
+int finish(const Study& study, const std::filesystem::path& output,
+           const std::vector<std::filesystem::path>& folders) {
+  merge_runs(study, folders, output);
+  std::ofstream(output / "summary.json") << summarise_study(study, output).dump(1) << '\n';
+  std::ofstream(output / "view.json") << study_view(study).dump() << '\n';
+  const auto report = write_study_report(output);
+  if (!report) {
+    fmt::print(stderr,
+               "slammot: no report: the generator is missing or failed; the results are in {}\n",
+               output.string());
+    return 1;
+  }
+  fmt::print("{}\n", report->string());
+  return 0;
+}
+
+int execute(const StudyArguments& arguments) {
+  const Shard shard = parse_shard(arguments.shard);
+  Study study = read_study(arguments.study);
+  if (arguments.runs > 0) study.runs = arguments.runs;
+  const std::filesystem::path output =
+      arguments.output.empty() ? std::filesystem::path("slammot-out") / ("study-" + study.name)
+                               : std::filesystem::path(arguments.output);
+  if (arguments.merge_only) {
+    claim_folder(study, output, shard, true);
+    std::vector<std::filesystem::path> folders(arguments.merge.begin(), arguments.merge.end());
+    if (folders.empty()) folders.push_back(output);
+    return finish(study, output, folders);
+  }
+  claim_folder(study, output, shard, arguments.resume);
+  StudyOptions options;
+  options.output = output;
+  options.shard = shard;
+  options.jobs =
+      arguments.jobs > 0 ? arguments.jobs : static_cast<int>(std::thread::hardware_concurrency());
+  Progress progress("run", "runs");
+  options.progress = [&](int done, int total) { progress.show(study.name, done, total); };
+  fmt::print("{}: {} scenarios and swept values x estimators, {} runs of each, {} at a time\n",
+             study.name, study.cells.size(), study.runs, options.jobs);
+  std::fflush(stdout);
+  const int ran = run_study(study, options);
+  progress.clear();
+  fmt::print("{} runs done\n", ran);
+  if (shard.count == 1) return finish(study, output, {output});
+  fmt::print("shard {} of {} is in {}; when all are done: slammot study {} --merge --output {}\n",
+             shard.index, shard.count, output.string(), arguments.study, output.string());
+  return 0;
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<StudyArguments>();
+  CLI::App* command = app.add_subcommand(
+      "study", "many runs: scenarios x estimators x swept values x seeds, from a YAML file");
+  command->add_option("STUDY", arguments->study, "see docs/formats.md and eval/studies/")
+      ->required();
+  command->add_option("--output", arguments->output, "folder for runs and report")
+      ->type_name("DIR");
+  command->add_option("--runs", arguments->runs, "seeds of each cell, instead of the file's number")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--jobs", arguments->jobs, "runs at a time; all cores without it")
+      ->check(CLI::PositiveNumber);
+  auto* shard =
+      command->add_option("--shard", arguments->shard, "only every N-th run, from the I-th")
+          ->type_name("I/N");
+  command->add_flag("--resume", arguments->resume, "go on with what the folder holds");
+  auto* merge = command
+                    ->add_option("--merge", arguments->merge,
+                                 "run nothing; put together the shards in these folders (in the "
+                                 "output folder, if none is named)")
+                    ->type_name("DIR")
+                    ->expected(0, -1)
+                    ->excludes(shard);
+  command->callback([arguments, merge, &exit_code] {
+    arguments->merge_only = merge->count() > 0;
+    std::erase(arguments->merge, "");
+    exit_code = execute(*arguments);
+  });
+}
+
+}  // namespace slammot

@@ -1,0 +1,47 @@
+"""What every page shares: the template engine, Plotly carried inside, and data that a script reads."""
+import base64
+import gzip
+import importlib.util
+import json
+import pathlib
+
+from comparison import BadInput
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+
+def plotly_source():
+    """Plotly's JavaScript as Debian's python3-plotly ships it, or as the wheel does."""
+    candidates = [pathlib.Path("/usr/share/python3-plotly/plotly.js")]
+    found = importlib.util.find_spec("plotly")
+    if found and found.origin:
+        candidates.append(pathlib.Path(found.origin).parent / "package_data" / "plotly.min.js")
+    for path in candidates:
+        if path.is_file():
+            return path.read_bytes()
+    raise BadInput("plotly.js: not found; install python3-plotly")
+
+
+def packed(source):
+    """Compressed, as text: a third of the size, and the same bytes every time."""
+    return base64.b64encode(gzip.compress(source, 9, mtime=0)).decode("ascii")
+
+
+def embedded_json(value):
+    """JSON that no `</script>` inside can end."""
+    return json.dumps(value, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+
+
+def text_of(name):
+    return (HERE / name).read_text(encoding="utf-8")
+
+
+def template(name):
+    try:
+        import jinja2
+    except ImportError as error:
+        raise BadInput("jinja2: not found; install python3-jinja2") from error
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(HERE), autoescape=True, undefined=jinja2.StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True)
+    return environment.get_template(name)

@@ -1,0 +1,152 @@
+"""The tables of a study: summary, classification as the thesis's table 4.1, and paired comparisons."""
+import csv
+import io
+import math
+from dataclasses import dataclass
+
+BOUND = "bound"
+
+
+@dataclass
+class Table:
+    title: str
+    caption: str
+    head: list
+    rows: list  # of texts, as the head
+
+    def csv(self):
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(self.head)
+        writer.writerows(self.rows)
+        return text.getvalue()
+
+    def latex(self):
+        lines = [r"\begin{tabular}{" + "l" * 2 + "r" * (len(self.head) - 2) + "}", r"\hline",
+                 " & ".join(map(escaped, self.head)) + r" \\", r"\hline"]
+        lines += [" & ".join(map(escaped, row)) + r" \\" for row in self.rows]
+        return "\n".join(lines + [r"\hline", r"\end{tabular}", ""])
+
+
+def escaped(text):
+    for character in "&%$#_{}":
+        text = text.replace(character, "\\" + character)
+    return text.replace("–", "--").replace("∞", r"$\infty$")
+
+
+def number(value, digits=3):
+    if value is None:
+        return "–"
+    if isinstance(value, float) and math.isinf(value):
+        return "∞"
+    return f"{value:.{digits}g}"
+
+
+def with_interval(estimate):
+    """value [lower, upper]"""
+    if not estimate or estimate["value"] is None:
+        return "–"
+    if estimate["lower"] is None:
+        return number(estimate["value"])
+    return f'{number(estimate["value"])} [{number(estimate["lower"])}, {number(estimate["upper"])}]'
+
+
+def percent(part, whole):
+    return "–" if not whole else f"{100.0 * part / whole:.1f}%"
+
+
+def cells_of(summary):
+    for group in summary["groups"]:
+        for cell in group["cells"]:
+            yield group, cell
+
+
+def finished(cell):
+    return cell["runs"] - len(cell["diverged"])
+
+
+def summary_table(summary):
+    rows = []
+    for group, cell in cells_of(summary):
+        anees = cell.get("anees", {})
+        pose = anees.get("pose", {})
+        bound = cell.get("rmse_over_bound", {}).get("position")
+        timing = cell.get("timing", {})
+        rows.append([
+            group["name"], cell["label"], str(cell["runs"]), str(len(cell["diverged"])), str(len(cell["lost"])),
+            with_interval(cell.get("filtered_position_rmse_m")), number(bound),
+            with_interval(cell.get("filtered_rotation_rmse_deg")),
+            number(pose.get("mean")), percent(pose["inside"], 1) if pose.get("inside") is not None else "–",
+            number(anees.get("position", {}).get("mean")),
+            with_interval(cell.get("nis_mean")),
+            with_interval(cell.get("smoothed_position_rmse_m")),
+            number(timing.get("frame_median_ms"))])
+    return Table(
+        "Summary",
+        "Over all runs; brackets are 95% bootstrap intervals over runs. A run is diverged when its numbers are none any "
+        "more, lost when its error once exceeds a metre and a tenth of the path. ANEES is averaged over frames too (6 and 3 are "
+        "right); inside: the part of the frames whose ANEES lies in its two-sided 95% interval. RMSE are of runs that did not diverge.",
+        ["scenario", "estimator", "runs", "diverged", "lost", "position RMSE [m]", "over the bound", "rotation RMSE [deg]",
+         "ANEES pose", "inside", "ANEES position", "NIS", "smoothed RMSE [m]", "frame [ms]"], rows)
+
+
+def counts_row(group, label, static, moving):
+    row = [group, label]
+    for counts in (static, moving):
+        right, wrong, undecided = counts
+        row += [str(right), str(wrong), str(undecided), percent(right, sum(counts)),
+                percent(wrong + undecided, sum(counts))]
+    return row
+
+
+def classification_table(summary):
+    rows = []
+    reference = summary.get("reference")
+    if reference:
+        rows.append(counts_row("published", reference["label"], reference["static"], reference["moving"]))
+    for group, cell in cells_of(summary):
+        if "static" in cell and cell["label"] != BOUND:
+            rows.append(counts_row(group["name"], cell["label"], cell["static"], cell["moving"]))
+    return Table(
+        "Classification",
+        "Landmarks over all runs, by their true class. Right, wrong, undecided; misclassified are the wrong and the undecided "
+        "(thesis 4.1.1). Those of the first frame are static by rule and not counted, nor are known ones.",
+        ["scenario", "estimator"] + [f"{kind} {what}" for kind in ("static", "moving")
+                                     for what in ("right", "wrong", "undecided", "right %", "misclassified %")], rows)
+
+
+def pairs_table(summary):
+    rows = []
+    for group in summary["groups"]:
+        for pair in group["pairs"]:
+            difference = pair["position_rmse_difference_m"]
+            rows.append([group["name"], f'{pair["a"]} - {pair["b"]}', str(pair["pairs"]), str(pair["wins_a"]),
+                         str(pair["wins_b"]), with_interval(difference)])
+    return Table(
+        "Paired comparisons",
+        "The same measurements for both. Wins: pairs with the smaller position RMSE; a diverged run loses. Difference of the "
+        "position RMSE, mean over the pairs in which both finished, with its 95% bootstrap interval.",
+        ["scenario", "pair", "pairs", "first wins", "second wins", "difference [m]"], rows)
+
+
+def coverage_table(summary):
+    rows = []
+    for group, cell in cells_of(summary):
+        coverage = cell.get("coverage")
+        if not coverage:
+            continue
+        offered = coverage["offered"]
+        rows.append([group["name"], cell["label"], f'{coverage["frames"]:.0f}', f"{offered:.0f}",
+                     percent(coverage["rejected"], offered), percent(coverage["out_of_view"], offered),
+                     f'{coverage["admitted"]:.0f}', f'{coverage["lost"]:.0f}',
+                     "; ".join(f'seed {d["seed"]} at frame {d["frame"]}' for d in cell["diverged"]) or "none",
+                     "; ".join(f'seed {d["seed"]} at frame {d["frame"]}' for d in cell["lost"]) or "none"])
+    return Table(
+        "Coverage", "What was used, what was not, and which runs went wrong. Measurements of landmarks in the state.",
+        ["scenario", "estimator", "frames", "measurements", "rejected", "out of view", "born", "given up", "diverged", "lost"], rows)
+
+
+def all_tables(summary):
+    tables = {"summary": summary_table(summary), "classification": classification_table(summary),
+              "pairs": pairs_table(summary), "coverage": coverage_table(summary)}
+    return {name: table for name, table in tables.items() if table.rows}

@@ -1,0 +1,155 @@
+"""slammot study, as a user runs it: the same bytes whether interrupted, on one thread or two, in one piece or in shards;
+and its report drawn in headless Chromium without an error.
+
+usage: test_study.py SLAMMOT
+"""
+import json
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from test_report import CHROMIUM  # noqa: E402
+
+SLAMMOT = ""
+STUDY = """\
+format: slammot-study-1
+name: small
+runs: 4
+scenarios:
+  - {scenario: helix, set: {frames: 40}}
+  - {scenario: circle, label: short circle, set: {frames: 25}}
+estimators:
+  - {estimator: ekf}
+  - {estimator: window, label: window 3, set: {window.frames: 3}}
+sweep: {classifier.static_threshold: [0.8, 1.6]}
+record: {tracks: [1, 2]}
+"""
+FIGURES = ["camera_error", "landmark_error", "classification", "classification_against_sweep", "velocity", "trade_off",
+           "anees", "anees_by_age"]
+
+
+def slammot(*arguments, code=0):
+    done = subprocess.run([SLAMMOT, *map(str, arguments)], capture_output=True, text=True, check=False)
+    assert done.returncode == code, f"exit {done.returncode}\n{done.stdout}{done.stderr}"
+    return done
+
+
+class Study(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.temporary.name)
+        cls.study = cls.folder / "small.yaml"
+        cls.study.write_text(STUDY, encoding="utf-8")
+        cls.whole = cls.folder / "whole"
+        slammot("study", cls.study, "--jobs", 2, "--output", cls.whole)
+        cls.expected = (cls.whole / "results.jsonl").read_bytes()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def same(self, folder):
+        self.assertEqual((folder / "results.jsonl").read_bytes(), self.expected)
+
+    def test_every_run_is_there_once(self):
+        runs = [json.loads(line) for line in self.expected.splitlines()]
+        self.assertEqual([(r["cell"], r["seed"]) for r in runs], [(c, s) for c in range(8) for s in range(1, 5)])
+        self.assertTrue(all(r["diverged"] is None for r in runs))
+
+    def test_one_job_or_two(self):
+        slammot("study", self.study, "--jobs", 1, "--output", self.folder / "one_job")
+        self.same(self.folder / "one_job")
+
+    def test_killed_and_resumed(self):
+        folder = self.folder / "killed"
+        process = subprocess.Popen([SLAMMOT, "study", str(self.study), "--jobs", "1", "--output", str(folder)],
+                                   stdout=subprocess.DEVNULL)
+        journal = folder / "journal-1-of-1.jsonl"
+        while process.poll() is None and not (journal.exists() and journal.read_bytes().count(b"\n") >= 5):
+            time.sleep(0.005)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        before = journal.read_bytes().count(b"\n")
+        self.assertLess(before, 32, "it was over before it could be killed")
+        with journal.open("ab") as file:
+            file.write(b'{"result": {"cell": 7, "se')  # as a kill in the middle of a write leaves it
+        again = slammot("study", self.study, "--resume", "--output", folder)
+        self.assertIn(f"{32 - before} runs done", again.stdout)
+        self.same(folder)
+
+    def test_three_shards_in_folders_of_their_own(self):
+        folders = [self.folder / f"shard{i}" for i in (1, 2, 3)]
+        for i, folder in enumerate(folders, 1):
+            slammot("study", self.study, "--shard", f"{i}/3", "--output", folder)
+        merged = self.folder / "merged"
+        missing = slammot("study", self.study, "--output", merged, "--merge", *folders[:2], code=2)
+        self.assertIn("a run is missing", missing.stderr)
+        slammot("study", self.study, "--output", merged, "--merge", *folders)
+        self.same(merged)
+
+    def test_more_runs_are_added_to_those_there_are(self):
+        folder = self.folder / "more"
+        slammot("study", self.study, "--runs", 2, "--output", folder)
+        more = slammot("study", self.study, "--runs", 4, "--resume", "--output", folder)
+        self.assertIn("16 runs done", more.stdout)
+        self.same(folder)
+
+    def test_what_is_there_is_not_overwritten(self):
+        self.assertIn("--resume", slammot("study", self.study, "--output", self.whole, code=2).stderr)
+        other = self.folder / "other.yaml"
+        other.write_text(STUDY.replace("frames: 40", "frames: 41"), encoding="utf-8")
+        self.assertIn("another study", slammot("study", other, "--resume", "--output", self.whole, code=2).stderr)
+
+    def test_report_again(self):
+        (self.whole / "report.html").unlink()
+        slammot("report", self.whole)
+        self.assertTrue((self.whole / "report.html").exists())
+        slammot("report", self.folder, code=2)
+
+    def test_a_bad_study_is_refused_in_one_line(self):
+        bad = self.folder / "bad.yaml"
+        for text, reason in (("runs: 4", "runs: none"), ("record: {tracks: [1, 2]}", "figures: [camera]"),
+                             ("estimator: ekf", "estimator: kalman"), ("frames: 40", "frame_count: 40"),
+                             ("name: small", "nam: small"), ("window.frames: 3", "window.frame: 3"),
+                             ("slammot-study-1", "slammot-study-9"), ("scenario: helix", "scenario: helicoid")):
+            bad.write_text(STUDY.replace(text, reason, 1), encoding="utf-8")
+            error = slammot("study", bad, "--output", self.folder / "bad", code=2).stderr
+            self.assertEqual(error.count("\n"), 1, error)
+            self.assertIn("bad.yaml", error)
+            self.assertFalse((self.folder / "bad").exists())
+
+    def test_report(self):
+        drawn = self.folder / "drawn.yaml"
+        drawn.write_text(f"{STUDY}figures: [{', '.join(FIGURES)}]\n", encoding="utf-8")
+        folder = self.folder / "drawn"
+        slammot("study", drawn, "--runs", 2, "--output", folder)
+        for name in FIGURES:
+            for ending in ("pdf", "png"):
+                self.assertGreater((folder / "figures" / f"{name}.{ending}").stat().st_size, 5000)
+        for name in ("summary", "classification", "pairs", "coverage"):
+            lines = (folder / "tables" / f"{name}.csv").read_text(encoding="utf-8").splitlines()
+            self.assertGreater(len(lines), 4)
+            self.assertNotIn("nan", "".join(lines).lower().replace("anees", ""))
+            self.assertIn(r"\begin{tabular}", (folder / "tables" / f"{name}.tex").read_text(encoding="utf-8"))
+        with tempfile.TemporaryDirectory() as profile:
+            done = subprocess.run([*CHROMIUM, f"--user-data-dir={profile}", "--dump-dom",
+                                   (folder / "report.html").as_uri()],
+                                  capture_output=True, text=True, timeout=300, check=False)
+        errors = [line for line in done.stderr.splitlines() if ":CONSOLE" in line and ":ERROR" in line]
+        self.assertEqual(errors, [])
+        self.assertIn('data-drawn="1"', done.stdout)
+        self.assertNotIn("data-error", done.stdout)
+        landmarks = int(done.stdout.split('data-landmarks="')[1].split('"')[0])
+        self.assertGreater(landmarks, 10)
+        self.assertEqual(done.stdout.count('<img src="data:image/png;base64,'), len(FIGURES))
+
+
+if __name__ == "__main__":
+    SLAMMOT = sys.argv.pop(1)
+    unittest.main()
