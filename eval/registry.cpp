@@ -22,6 +22,12 @@ std::unique_ptr<Estimator> batch(const Setup& setup, const Configuration& c) {
 void as_stated(Configuration&) {}
 void all_static(Configuration& c) { c.model.classifier.name = "all_static"; }
 void true_labels(Configuration& c) { c.model.classifier.name = "truth"; }
+// Covariances at the truth, with every measurement used and labels given.
+void bound(Configuration& c) {
+  c.model.classifier.name = "truth";
+  c.model.gate_probability = 1.0 - 1e-12;
+  c.ekf.linearisation = "ideal";
+}
 void delayed(Configuration& c) { c.ekf.delayed = true; }
 
 constexpr EstimatorRow kTable[] = {
@@ -31,6 +37,7 @@ constexpr EstimatorRow kTable[] = {
     {"static_world", "ekf, every landmark static", all_static, ekf},
     {"delayed", "ekf, a landmark counts only once it is classified", delayed, ekf},
     {"true_labels", "ekf, labels from the ground truth", true_labels, ekf},
+    {"bound", "ekf linearised at the truth: the posterior Cramer-Rao bound", bound, ekf},
 };
 
 }  // namespace

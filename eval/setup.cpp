@@ -39,6 +39,26 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const PriorConfiguration&
   return prior;
 }
 
+// Only a simulated truth is exact enough to linearise at.
+std::shared_ptr<const Truth> truth_of(const Sequence& sequence) {
+  if (!sequence.exact_truth) return nullptr;
+  auto truth = std::make_shared<Truth>();
+  for (std::size_t i = 0; i < sequence.truth.size(); ++i) {
+    if (sequence.truth[i]) truth->cameras[sequence.frames[i].index] = *sequence.truth[i];
+  }
+  for (const auto& [track, landmark] : sequence.landmarks) {
+    if (landmark.label == Label::kStatic && !landmark.by_frame.empty()) {
+      const TruePoint& p = landmark.by_frame.begin()->second;
+      truth->statics[track] = {p.position, p.velocity};
+      continue;
+    }
+    for (const auto& [frame, p] : landmark.by_frame) {
+      truth->landmarks[track][frame] = {p.position, p.velocity};
+    }
+  }
+  return truth;
+}
+
 }  // namespace
 
 Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
@@ -52,6 +72,7 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
   for (const auto& [track, landmark] : sequence.landmarks) {
     setup.true_labels[track] = landmark.label;
   }
+  if (configuration.ekf.linearisation == "ideal") setup.truth = truth_of(sequence);
   return setup;
 }
 

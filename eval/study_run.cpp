@@ -19,6 +19,22 @@ constexpr double kLostFraction = 0.1;
 
 Json counts(const ClassCounts& c) { return {c.right, c.wrong, c.undecided}; }
 
+// Right, wrong and undecided of the landmarks of this class that were measured often enough for a
+// decision to be fair.
+Json counts_of_often_seen(const RunResult& run, Label truth) {
+  constexpr int kOften = 10;  // measurements
+  std::map<int, int> observations;
+  for (const LandmarkRecord& l : run.landmarks) {
+    observations[l.estimate.track] = l.estimate.observations;
+  }
+  ClassCounts c;
+  for (const ClassificationRecord& r : run.classification) {
+    if (r.truth != truth || observations[r.track] < kOften) continue;
+    ++(r.label == truth ? c.right : r.label == Label::kUnknown ? c.undecided : c.wrong);
+  }
+  return counts(c);
+}
+
 Json accuracy_json(const TrajectoryMetrics& metrics) {
   if (!metrics.accuracy.value) return nullptr;
   const Accuracy& a = *metrics.accuracy.value;
@@ -151,6 +167,8 @@ Json result_json(const Study& study, const Sequence& sequence, const RunResult& 
   json["nis_expected"] = metrics.nis.expected;
   json["static"] = counts(metrics.classification.statics);
   json["moving"] = counts(metrics.classification.movings);
+  json["static_often_seen"] = counts_of_often_seen(run, Label::kStatic);
+  json["moving_often_seen"] = counts_of_often_seen(run, Label::kMoving);
   json["median_frames_to_decision"] = metrics.classification.median_frames_to_decision;
   const Coverage& c = metrics.coverage;
   json["coverage"] = {

@@ -18,6 +18,8 @@ using Samples = std::vector<double>;
 // A cell that only gives the Cramer-Rao bound of its group, and takes part in no comparison.
 constexpr std::string_view kBound = "bound";
 
+constexpr const char* kCounts[] = {"static", "moving", "static_often_seen", "moving_often_seen"};
+
 double number(const Json& json) { return json.is_number() ? json.get<double>() : kUndefined; }
 
 Json json_of(const Estimate& e) {
@@ -128,7 +130,7 @@ void Cell::add(const Json& run) {
     gather(run.at("frames"), what, frames_[what]);
     if (run.contains("smoothed_frames")) gather(run["smoothed_frames"], what, smoothed_[what]);
   }
-  for (const char* what : {"static", "moving"}) {
+  for (const char* what : kCounts) {
     auto& sums = counts_[what];
     sums.resize(3);
     for (std::size_t i = 0; i < 3; ++i) sums[i] += run.at(what)[i].get<long>();
@@ -304,8 +306,7 @@ Json Cell::json() const {
   }
   json["anees"] = anees_json(frames_);
   if (!smoothed_.empty()) json["smoothed_anees"] = anees_json(smoothed_);
-  json["static"] = counts_.at("static");
-  json["moving"] = counts_.at("moving");
+  for (const char* what : kCounts) json[what] = counts_.at(what);
   json["coverage"] = coverage_;
   Json timing = Json::object();
   for (const auto& [key, samples] : timing_) timing[key] = median(samples);

@@ -21,7 +21,7 @@ class Ekf final : public Estimator {
   std::vector<LandmarkEstimate> landmarks() const override;
 
  private:
-  void predict(double timestamp);
+  void predict(const Frame& frame);
   void correct(const Innovation& accepted);
   void classify(const std::vector<Match>& seen, int frame);
   void collapse(const std::vector<int>& tracks);
@@ -40,6 +40,7 @@ class Ekf final : public Estimator {
   std::unique_ptr<Classifier> classifier_;
   std::map<int, KnownLandmark> known_;
   JointState state_;
+  Linearisation linearisation_;
   std::optional<double> timestamp_;
   int first_frame_ = 0;  // index of the first frame processed
 };
@@ -49,8 +50,8 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       models_(models),
       options_(options),
       landmark_(find_landmark(models.landmark)),
-      classifier_(
-          make_classifier(classifier_for(landmark_, models.classifier), setup.true_labels)) {
+      classifier_(make_classifier(classifier_for(landmark_, models.classifier), setup.true_labels)),
+      linearisation_(options.linearisation, landmark_, setup.truth) {
   for (const KnownLandmark& known : setup.known) known_[known.track] = known;
   const InitialCamera& initial = setup.initial;
   Vector12d sigma;
@@ -67,7 +68,7 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
   FrameReport report;
   stages.begin("predict");
   if (!timestamp_) first_frame_ = frame.index;
-  predict(frame.timestamp);
+  predict(frame);
   admit_known(frame, report);
 
   stages.begin("gate");
@@ -75,7 +76,7 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
   for (const Observation& z : frame.observations) {
     if (state_.landmarks.contains(z.track)) matches.push_back({z.track, z.pixel});
   }
-  const Innovation all = innovation(state_, setup_.camera, matches);
+  const Innovation all = innovation(state_, linearisation_, setup_.camera, matches);
   const Gate gated =
       gate(state_, all, setup_.pixel_sigma * setup_.pixel_sigma, models_.gate_probability);
   report.accepted = static_cast<int>(gated.accepted.matches.size());
@@ -108,32 +109,36 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
 }
 
 // Thesis 2.1.1 for the camera, (2.5) for what may move; a static landmark is not predicted (3.1.3).
-void Ekf::predict(double timestamp) {
-  if (timestamp_ && !(timestamp > *timestamp_)) {
+void Ekf::predict(const Frame& frame) {
+  if (timestamp_ && !(frame.timestamp > *timestamp_)) {
     throw std::invalid_argument("the time of a frame must be later than that of the one before");
   }
-  const double dt = timestamp_ ? timestamp - *timestamp_ : 0.0;
-  timestamp_ = timestamp;
+  const double dt = timestamp_ ? frame.timestamp - *timestamp_ : 0.0;
+  timestamp_ = frame.timestamp;
   if (dt == 0.0) return;  // the first frame
   JointCovariance& P = state_.covariance;
-  const Matrix12d Q = camera_noise(setup_.camera_noise, state_.camera, dt);
-  P.propagate(JointState::kCamera, predict_jacobian(state_.camera, dt), Q);
+  const CameraState camera_at = linearisation_.camera(state_);
+  const Matrix12d Q = camera_noise(setup_.camera_noise, camera_at, dt);
+  P.propagate(JointState::kCamera, predict_jacobian(camera_at, dt), Q);
   state_.camera = slammot::predict(state_.camera, dt);
   for (auto& [track, landmark] : state_.landmarks) {
     if (!landmark.is_free()) continue;
-    const Matrix6d F = landmark_.predict_jacobian(landmark.x(), dt);
+    const Vector6d at = linearisation_.landmark(state_, track);
+    const Matrix6d F = landmark_.predict_jacobian(at, dt);
     const Vector6d x = landmark_.predict(landmark.x(), dt);
     landmark.y = x.head<3>();
     landmark.w = x.tail<3>();
-    const Matrix6d G = landmark_.noise_root(x, setup_.prior.acceleration, dt);
+    const Matrix6d G =
+        landmark_.noise_root(landmark_.predict(at, dt), setup_.prior.acceleration, dt);
     P.propagate(landmark.block, F, G * G.transpose());
   }
+  linearisation_.predicted(state_, frame.index, dt);
 }
 
 void Ekf::correct(const Innovation& accepted) {
   const double variance = setup_.pixel_sigma * setup_.pixel_sigma;
   if (!options_.delayed) {
-    update(state_, setup_.camera, accepted, variance, options_.iterations);
+    update(state_, linearisation_, setup_.camera, accepted, variance, options_.iterations);
     return;
   }
   std::vector<Match> classified, pending;
@@ -141,9 +146,9 @@ void Ekf::correct(const Innovation& accepted) {
     const bool unknown = state_.landmarks.at(m.track).record.label == Label::kUnknown;
     (unknown ? pending : classified).push_back(m);
   }
-  const Innovation first = innovation(state_, setup_.camera, classified);
-  update(state_, setup_.camera, first, variance, options_.iterations);
-  for (const Match& m : pending) update_alone(state_, setup_.camera, m, variance);
+  const Innovation first = innovation(state_, linearisation_, setup_.camera, classified);
+  update(state_, linearisation_, setup_.camera, first, variance, options_.iterations);
+  for (const Match& m : pending) update_alone(state_, linearisation_, setup_.camera, m, variance);
 }
 
 // Thesis 3.1.3, for every unknown landmark measured in this frame.
@@ -185,7 +190,7 @@ void Ekf::collapse(const std::vector<int>& tracks) {
     P_ww.matrixU().solveInPlace<Eigen::OnTheRight>(W);
     const Eigen::VectorXd dx = -W * P_ww.matrixL().solve(w);
     state_.covariance.subtract_outer(W);
-    state_.correct(dx);
+    linearisation_.correct(state_, dx);
   }
   state_.drop_motion(tracks);
 }
@@ -233,6 +238,7 @@ void Ekf::admit_known(const Frame& frame, FrameReport& report) {
     if (known == known_.end() || state_.landmarks.contains(z.track)) continue;
     const FilterAnchor& anchor = anchor_here(frame.index);
     const NewKnownLandmark born_here = initialise_known(known->second, anchor.position);
+    linearisation_.known_birth(state_, known->second, frame.index, born_here);
     const Eigen::MatrixXd J = born_here.J_y_position;
     const double variance = known->second.sigma * known->second.sigma;
     const StateBlock block =
@@ -257,16 +263,17 @@ void Ekf::admit_new(const Frame& frame, FrameReport& report) {
     const auto y =
         initialise(setup_.camera, state_.camera.orientation, z.pixel, setup_.prior.inverse_depth);
     if (!y) continue;
+    const NewLandmark at = linearisation_.birth(state_, setup_.camera, z, frame.index, *y);
     const Label label = classifier_->at_birth(z.track, first_frame);
     const int dim = label == Label::kStatic ? 3 : 6;
     const double w_sigma = landmark_.prior_sigma(setup_.prior);
     Eigen::MatrixXd R = Eigen::MatrixXd::Zero(dim, dim);
     R.topLeftCorner<2, 2>() =
-        setup_.pixel_sigma * setup_.pixel_sigma * y->J_angles_pixel * y->J_angles_pixel.transpose();
+        setup_.pixel_sigma * setup_.pixel_sigma * at.J_angles_pixel * at.J_angles_pixel.transpose();
     R(2, 2) = setup_.prior.inverse_depth_sigma * setup_.prior.inverse_depth_sigma;
     R.bottomRightCorner(dim - 3, dim - 3).diagonal().setConstant(w_sigma * w_sigma);
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(dim, 3);
-    J.topRows<2>() = y->J_angles_rotation;
+    J.topRows<2>() = at.J_angles_rotation;
     anchor_here(frame.index);
     const StateBlock block = state_.covariance.append({{{kRotation, 3}, J}}, R);
     add(born(z.track, frame.index, label, first_frame), y->y, block, frame.index);

@@ -1,9 +1,12 @@
 // What is particular to the EKF.
 #pragma once
 
+#include <string>
+
 namespace slammot {
 
 struct EkfOptions {
+  std::string linearisation = "standard";  // standard | fej | ideal, see linearisation.h
   int iterations = 1;    // 1: EKF; more: iterated EKF (Gauss-Newton steps on the same prior)
   bool delayed = false;  // a landmark's measurements move nothing but itself until it is classified
 };

@@ -5,13 +5,31 @@
 
 namespace slammot {
 
-Innovation innovation(const JointState& state, const Camera& camera,
-                      const std::vector<Match>& matches) {
+namespace {
+
+// h at the estimate with the Jacobians of the linearisation point; its own where there are none.
+std::optional<ObservedPixel> linearised(const JointState& state, const Linearisation& linearisation,
+                                        const Camera& camera, const FilterLandmark& landmark) {
+  auto h = expect(camera, state.camera.position, state.camera.orientation,
+                  state.anchors.at(landmark.anchor).position, landmark.y);
+  if (!h || linearisation.is_standard()) return h;
+  const CameraState at = linearisation.camera(state);
+  const Vector6d x = linearisation.landmark(state, landmark.record.track);
+  auto there = observe(camera, at.position, at.orientation,
+                       linearisation.anchor(state, landmark.anchor), Eigen::Vector3d(x.head<3>()));
+  if (!there) return h;
+  there->pixel = h->pixel;
+  return there;
+}
+
+}  // namespace
+
+Innovation innovation(const JointState& state, const Linearisation& linearisation,
+                      const Camera& camera, const std::vector<Match>& matches) {
   Innovation result;
   for (const Match& match : matches) {
     const FilterLandmark& landmark = state.landmarks.at(match.track);
-    const auto h = expect(camera, state.camera.position, state.camera.orientation,
-                          state.anchors.at(landmark.anchor).position, landmark.y);
+    const auto h = linearised(state, linearisation, camera, landmark);
     if (!h) continue;
     result.matches.push_back(match);
     result.predicted.push_back(*h);
@@ -89,9 +107,10 @@ Gate gate(const JointState& state, const Innovation& innovation, double pixel_va
 namespace {
 
 // The innovation at an iterate x_i = x [+] dx, written as one of the prior's coordinates: with
-// dr = J_r dtheta the Jacobian of the iterate, H~ = H dr and nu~ = z - h(x_i) + H~ dx.
-Innovation relinearise(const JointState& prior, const Camera& camera, const Innovation& first,
-                       const Eigen::VectorXd& dx) {
+// dr = J_r dtheta the Jacobian of the iterate, H~ = H dr and nu~ = z - h(x_i) + H~ dx. Where the
+// linearisation point is fixed, H~ = H.
+Innovation relinearise(const JointState& prior, const Linearisation& linearisation,
+                       const Camera& camera, const Innovation& first, const Eigen::VectorXd& dx) {
   JointState iterate = prior;
   iterate.move(dx);
   const Eigen::Matrix3d J_r = right_jacobian_so3(dx.segment<3>(kRotation));
@@ -100,10 +119,11 @@ Innovation relinearise(const JointState& prior, const Camera& camera, const Inno
     const FilterLandmark& landmark = iterate.landmarks.at(first.matches[k].track);
     const auto h = observe(camera, iterate.camera.position, iterate.camera.orientation,
                            iterate.anchors.at(landmark.anchor).position, landmark.y);
-    if (!h) continue;  // keeps the linearisation it had
+    if (!h) continue;  // keeps the residual and linearisation it had
+    result.nu.segment<2>(2 * static_cast<int>(k)) = first.matches[k].pixel - h->pixel;
+    if (!linearisation.is_standard()) continue;
     result.predicted[k] = *h;
     result.predicted[k].J_pose.rightCols<3>() *= J_r;
-    result.nu.segment<2>(2 * static_cast<int>(k)) = first.matches[k].pixel - h->pixel;
     const JointCovariance& P = prior.covariance;
     auto columns = result.P_Ht.middleCols<2>(2 * static_cast<int>(k));
     columns = P.cols(JointState::kPose) * result.predicted[k].J_pose.transpose() +
@@ -116,14 +136,14 @@ Innovation relinearise(const JointState& prior, const Camera& camera, const Inno
 
 }  // namespace
 
-void update(JointState& state, const Camera& camera, const Innovation& first, double pixel_variance,
-            int iterations) {
+void update(JointState& state, const Linearisation& linearisation, const Camera& camera,
+            const Innovation& first, double pixel_variance, int iterations) {
   if (first.rows() == 0) return;
   Innovation current = first;
   Eigen::VectorXd dx;
   Eigen::MatrixXd W;
   for (int i = 0; i < iterations; ++i) {
-    if (i > 0) current = relinearise(state, camera, first, dx);
+    if (i > 0) current = relinearise(state, linearisation, camera, first, dx);
     const Eigen::LLT<Eigen::MatrixXd> S(innovation_covariance(state, current, pixel_variance));
     if (S.info() != Eigen::Success) {
       throw Diverged("the innovation covariance is not positive definite");
@@ -134,12 +154,12 @@ void update(JointState& state, const Camera& camera, const Innovation& first, do
     if (!dx.allFinite()) throw Diverged("the correction of the state is not finite");
   }
   state.covariance.subtract_outer(W);
-  state.correct(dx);
+  linearisation.correct(state, dx);
 }
 
-void update_alone(JointState& state, const Camera& camera, const Match& match,
-                  double pixel_variance) {
-  const Innovation z = innovation(state, camera, {match});
+void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,
+                  const Match& match, double pixel_variance) {
+  const Innovation z = innovation(state, linearisation, camera, {match});
   if (z.rows() == 0) return;
   const StateBlock own = state.landmarks.at(match.track).block;
   const Eigen::Matrix2d S = innovation_covariance(state, z, pixel_variance);

@@ -2,7 +2,7 @@
 // measurements of a frame. Knows nothing of how landmarks move: all models observe alike.
 #pragma once
 
-#include "slammot/filters/joint_state.h"
+#include "slammot/filters/linearisation.h"
 #include "slammot/models/observation.h"
 
 namespace slammot {
@@ -25,8 +25,8 @@ struct Innovation {
 };
 
 // Linearises; matches whose landmark is not expected in view are left out (observation.h).
-Innovation innovation(const JointState& state, const Camera& camera,
-                      const std::vector<Match>& matches);
+Innovation innovation(const JointState& state, const Linearisation& linearisation,
+                      const Camera& camera, const std::vector<Match>& matches);
 
 // H x for a vector or matrix x with the state's rows; `x` may be P H', which gives H P H'.
 Eigen::MatrixXd apply_H(const JointState& state, const Innovation& innovation,
@@ -44,12 +44,12 @@ Gate gate(const JointState& state, const Innovation& innovation, double pixel_va
 
 // x and P after the measurements. `iterations` Gauss-Newton steps on the same prior (1: EKF).
 // Throws Diverged when S is not positive definite or the correction not finite.
-void update(JointState& state, const Camera& camera, const Innovation& first, double pixel_variance,
-            int iterations);
+void update(JointState& state, const Linearisation& linearisation, const Camera& camera,
+            const Innovation& first, double pixel_variance, int iterations);
 
 // A measurement that moves only its own landmark, the rest of the state being considered but not
 // corrected (Schmidt's gain): what a delayed initialisation would know of it.
-void update_alone(JointState& state, const Camera& camera, const Match& match,
-                  double pixel_variance);
+void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,
+                  const Match& match, double pixel_variance);
 
 }  // namespace slammot

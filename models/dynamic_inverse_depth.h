@@ -47,6 +47,9 @@ struct DynamicInverseDepth {
     J.rightCols<3>().setIdentity();
     return J;
   }
+  static Eigen::Vector3d motion_of(const Eigen::Vector3d& /*y*/, const Eigen::Vector3d& v) {
+    return v;
+  }
   static double density_scale(const Vector6d&) { return 1.0; }
   static double prior_sigma(const LandmarkPrior& prior) { return prior.velocity_sigma(); }
 };

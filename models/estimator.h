@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "slammot/models/camera_motion.h"
 #include "slammot/models/label.h"
 #include "slammot/models/measurement.h"
+#include "slammot/models/truth.h"
 
 namespace slammot {
 
@@ -28,7 +30,8 @@ struct Setup {
   LandmarkPrior prior;
   InitialCamera initial;
   std::vector<KnownLandmark> known;
-  std::map<int, Label> true_labels;  // by track; read by the classifier `truth` only
+  std::map<int, Label> true_labels;    // by track; read by the classifier `truth` only
+  std::shared_ptr<const Truth> truth;  // read by linearisation `ideal` only; may be none
 };
 
 struct CameraEstimate {

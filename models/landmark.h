@@ -19,7 +19,8 @@ using Vector6 = Eigen::Matrix<T, 6, 1>;
 using Matrix36d = Eigen::Matrix<double, 3, 6>;
 
 template <typename M>
-concept LandmarkModel = requires(const Vector6d& x, double dt, const LandmarkPrior& prior) {
+concept LandmarkModel = requires(const Vector6d& x, const Eigen::Vector3d& v, double dt,
+                                 const LandmarkPrior& prior) {
   { M::kName } -> std::convertible_to<std::string_view>;
   // x after dt at constant velocity, thesis (2.5), and its Jacobian.
   { M::predict(x, dt) } -> std::convertible_to<Vector6d>;
@@ -29,6 +30,8 @@ concept LandmarkModel = requires(const Vector6d& x, double dt, const LandmarkPri
   // Velocity in W [m/s] and its Jacobian; not finite where rho = 0 makes it so.
   { M::velocity(x) } -> std::convertible_to<Eigen::Vector3d>;
   { M::velocity_jacobian(x) } -> std::convertible_to<Matrix36d>;
+  // w of a landmark at y with the velocity v in W.
+  { M::motion_of(v, v) } -> std::convertible_to<Eigen::Vector3d>;
   // |dw/dv| at rest: turns a density of w into a density of v.
   { M::density_scale(x) } -> std::convertible_to<double>;
   // The prior standard deviation of each component of w, thesis (2.6).

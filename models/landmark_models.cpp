@@ -18,6 +18,7 @@ constexpr LandmarkFunctions row(std::string_view description) {
           [](const Vector6d& x, double sigma_a, double dt) {
             return landmark_noise_root<M>(x, sigma_a, dt);
           },
+          [](const Eigen::Vector3d& y, const Eigen::Vector3d& v) { return M::motion_of(y, v); },
           [](const Vector6d& x) { return M::density_scale(x); },
           [](const LandmarkPrior& prior) { return M::prior_sigma(prior); },
           [](const TrackRecord& record, const LandmarkBelief& belief) {

@@ -20,6 +20,7 @@ struct LandmarkFunctions {
   Vector6d (*predict)(const Vector6d& x, double dt);
   Matrix6d (*predict_jacobian)(const Vector6d& x, double dt);
   Matrix6d (*noise_root)(const Vector6d& predicted, double sigma_a, double dt);
+  Eigen::Vector3d (*motion_of)(const Eigen::Vector3d& y, const Eigen::Vector3d& v);
   double (*density_scale)(const Vector6d& x);
   double (*prior_sigma)(const LandmarkPrior& prior);
   LandmarkEstimate (*estimate)(const TrackRecord& record, const LandmarkBelief& belief);

@@ -53,6 +53,9 @@ struct ScaledVelocity {
     J.rightCols<3>().diagonal().setConstant(1.0 / x(2));
     return J;
   }
+  static Eigen::Vector3d motion_of(const Eigen::Vector3d& y, const Eigen::Vector3d& v) {
+    return y.z() * v;
+  }
   static double density_scale(const Vector6d& x) { return std::abs(x(2) * x(2) * x(2)); }
   static double prior_sigma(const LandmarkPrior& prior) {
     return std::hypot(prior.inverse_depth, prior.inverse_depth_sigma) * prior.velocity_sigma();

@@ -85,6 +85,8 @@ class Summary : public testing::Test {
     json["nis_mean"] = json["nis_expected"] = json["median_frames_to_decision"] = 1.0;
     json["static"] = {8, 1, 1};
     json["moving"] = {5, 0, 2};
+    json["static_often_seen"] = {8, 0, 0};
+    json["moving_often_seen"] = {5, 0, 0};
     json["coverage"] = {{"offered", 10}};
     json["frames"] = frames;
     json["landmarks"] = {{{"observations", 5},

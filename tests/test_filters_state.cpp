@@ -11,6 +11,8 @@
 namespace slammot {
 namespace {
 
+const Linearisation kStandard("standard", find_landmark("scaled_velocity"), nullptr);
+
 Camera pinhole() { return {640, 480, 385.0, 385.0, 319.5, 239.5, PinholeLens{}}; }
 
 // A camera and four landmarks born with it; `anchors` of them, shared or one for each.
@@ -56,7 +58,7 @@ void step(JointState& state, const std::vector<Match>& matches) {
   state.covariance.propagate(JointState::kCamera, predict_jacobian(state.camera, dt),
                              camera_noise(noise, state.camera, dt));
   state.camera = predict(state.camera, dt);
-  update(state, pinhole(), innovation(state, pinhole(), matches), 1.0, 1);
+  update(state, kStandard, pinhole(), innovation(state, kStandard, pinhole(), matches), 1.0, 1);
 }
 
 TEST(SharedAnchor, GivesTheSameEstimatesAsOneForEachLandmark) {
@@ -81,7 +83,7 @@ TEST(SharedAnchor, GivesTheSameEstimatesAsOneForEachLandmark) {
 TEST(Update, IsTheTextbookUpdate) {
   JointState state = scene(1);
   const auto matches = pixels_of(state, 1);
-  const Innovation z = innovation(state, pinhole(), matches);
+  const Innovation z = innovation(state, kStandard, pinhole(), matches);
   const int n = state.covariance.size();
   const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(n, n);
   const Eigen::MatrixXd H = apply_H(state, z, I), P = state.covariance.P();
@@ -94,7 +96,7 @@ TEST(Update, IsTheTextbookUpdate) {
   reset.block<3, 3>(3, 3) = right_jacobian_so3(dx.segment<3>(3));
   Joseph = (reset * Joseph * reset.transpose()).eval();
   const CameraState expected = boxplus(state.camera, Vector12d(dx.head<12>()));
-  update(state, pinhole(), z, 1.44, 1);
+  update(state, kStandard, pinhole(), z, 1.44, 1);
   EXPECT_LT((state.covariance.P() - Joseph).norm(), 1e-10 * Joseph.norm());
   EXPECT_LT(boxminus(state.camera, expected).norm(), 1e-12);
   EXPECT_EQ(state.covariance.P(), state.covariance.P().transpose());
@@ -104,7 +106,7 @@ TEST(Gate, TakesEachMeasurementOnItsOwn) {
   JointState state = scene(1);
   auto matches = pixels_of(state, 2);
   matches[2].pixel += Eigen::Vector2d(300.0, 0.0);
-  const Gate result = gate(state, innovation(state, pinhole(), matches), 1.0, 0.99);
+  const Gate result = gate(state, innovation(state, kStandard, pinhole(), matches), 1.0, 0.99);
   EXPECT_EQ(result.rejected, std::vector<int>{2});
   EXPECT_EQ(result.accepted.matches.size(), 3u);
 }
@@ -127,7 +129,7 @@ TEST(UpdateAlone, MovesNothingButItsLandmark) {
   const Matrix12d P = state.covariance.block(JointState::kCamera, JointState::kCamera);
   const StateBlock own = state.landmarks.at(1).block;
   const double before = state.covariance.block(own, own).trace();
-  update_alone(state, pinhole(), pixels_of(state, 9)[1], 1.0);
+  update_alone(state, kStandard, pinhole(), pixels_of(state, 9)[1], 1.0);
   EXPECT_EQ(boxminus(state.camera, camera).norm(), 0.0);
   EXPECT_EQ(state.covariance.block(JointState::kCamera, JointState::kCamera), P);
   EXPECT_LT(state.covariance.block(own, own).trace(), before);

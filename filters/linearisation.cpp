@@ -1,0 +1,135 @@
+#include "slammot/filters/linearisation.h"
+
+#include <stdexcept>
+
+#include "slammot/models/observation.h"
+
+namespace slammot {
+
+Linearisation::Linearisation(const std::string& name, const LandmarkFunctions& landmark,
+                             std::shared_ptr<const Truth> truth)
+    : kind_(name == "fej"     ? Kind::kFej
+            : name == "ideal" ? Kind::kIdeal
+                              : Kind::kStandard),
+      functions_(landmark),
+      truth_(std::move(truth)) {
+  if (is_standard() && name != "standard") {
+    throw std::invalid_argument("unknown linearisation '" + name + "'");
+  }
+  if (kind_ == Kind::kIdeal && !truth_) {
+    throw std::invalid_argument("linearisation ideal needs the exact truth of a simulation");
+  }
+}
+
+CameraState Linearisation::camera(const JointState& state) const {
+  return is_standard() || !camera_ ? state.camera : *camera_;
+}
+
+Eigen::Vector3d Linearisation::anchor(const JointState& state, int frame) const {
+  return is_standard() ? state.anchors.at(frame).position : anchors_.at(frame);
+}
+
+Vector6d Linearisation::landmark(const JointState& state, int track) const {
+  return is_standard() ? state.landmarks.at(track).x() : landmarks_.at(track);
+}
+
+void Linearisation::predicted(const JointState& state, int frame, double dt) {
+  if (is_standard()) return;
+  forget_what_left(state);
+  camera_ = kind_ == Kind::kFej ? state.camera : true_camera(frame);
+  for (const auto& [track, landmark] : state.landmarks) {
+    if (kind_ == Kind::kFej) {
+      predicted_first_estimate(state, landmark);
+    } else if (landmark.is_free()) {
+      Vector6d& x = landmarks_.at(track);
+      const auto truth = true_landmark(track, frame, anchors_.at(landmark.anchor));
+      x = truth ? *truth : functions_.predict(x, dt);  // out of view it has no truth
+    }
+  }
+}
+
+void Linearisation::predicted_first_estimate(const JointState& state,
+                                             const FilterLandmark& landmark) {
+  constexpr double kKnownDepth = 0.1;  // sigma_rho / rho
+  const int track = landmark.record.track;
+  if (settled_.contains(track)) return;
+  landmarks_[track] = landmark.x();
+  const StateBlock rho{landmark.block.offset + 2, 1};
+  const double sigma = std::sqrt(state.covariance.block(rho, rho)(0, 0));
+  if (!landmark.is_free() && sigma < kKnownDepth * std::abs(landmark.y.z())) settled_.insert(track);
+}
+
+const CameraState& Linearisation::true_camera(int frame) const {
+  const auto camera = truth_->cameras.find(frame);
+  if (camera == truth_->cameras.end()) {
+    throw std::invalid_argument("linearisation ideal needs a true camera for every frame");
+  }
+  return camera->second;
+}
+
+std::optional<Vector6d> Linearisation::true_landmark(int track, int frame,
+                                                     const Eigen::Vector3d& anchor) const {
+  const TrueMotion* motion = nullptr;
+  if (const auto fixed = truth_->statics.find(track); fixed != truth_->statics.end()) {
+    motion = &fixed->second;
+  } else if (const auto moving = truth_->landmarks.find(track); moving != truth_->landmarks.end()) {
+    const auto here = moving->second.find(frame);
+    if (here != moving->second.end()) motion = &here->second;
+  }
+  if (motion == nullptr) return std::nullopt;
+  Vector6d x;
+  x << inverse_depth_of(Eigen::Vector3d(motion->position - anchor)), Eigen::Vector3d::Zero();
+  x.tail<3>() = functions_.motion_of(x.head<3>(), motion->velocity);
+  return x;
+}
+
+NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
+                                 const Observation& z, int frame, const NewLandmark& here) {
+  if (is_standard()) return here;
+  if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(frame);
+  const CameraState at = this->camera(state);
+  anchors_.try_emplace(frame, at.position);
+  Eigen::Vector2d pixel = z.pixel;
+  Vector6d x;
+  x << here.y, Eigen::Vector3d::Zero();
+  std::optional<Vector6d> truth;
+  if (kind_ == Kind::kIdeal) truth = true_landmark(z.track, frame, at.position);
+  if (truth) {
+    const auto h = observe(camera, at.position, at.orientation, at.position,
+                           Eigen::Vector3d(truth->head<3>()));
+    if (h) pixel = h->pixel;
+  }
+  const auto born = initialise(camera, at.orientation, pixel, here.y.z());
+  const NewLandmark result = born ? *born : here;
+  x.head<3>() = result.y;
+  landmarks_[z.track] = truth ? *truth : x;
+  return result;
+}
+
+void Linearisation::known_birth(const JointState& state, const KnownLandmark& known, int frame,
+                                const NewKnownLandmark& here) {
+  if (is_standard()) return;
+  if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(frame);
+  anchors_.try_emplace(frame, camera(state).position);
+  std::optional<Vector6d> truth;
+  if (kind_ == Kind::kIdeal) truth = true_landmark(known.track, frame, anchors_.at(frame));
+  Vector6d x;
+  x << here.y, Eigen::Vector3d::Zero();
+  landmarks_[known.track] = truth ? *truth : x;
+}
+
+void Linearisation::forget_what_left(const JointState& state) {
+  std::erase_if(anchors_, [&](const auto& a) { return !state.anchors.contains(a.first); });
+  std::erase_if(landmarks_, [&](const auto& l) { return !state.landmarks.contains(l.first); });
+  std::erase_if(settled_, [&](int track) { return !state.landmarks.contains(track); });
+}
+
+void Linearisation::correct(JointState& state, const Eigen::VectorXd& dx) const {
+  if (is_standard()) {
+    state.correct(dx);
+  } else {
+    state.move(dx);
+  }
+}
+
+}  // namespace slammot

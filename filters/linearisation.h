@@ -1,0 +1,68 @@
+// Where the EKF takes its Jacobians; innovations and predictions are always at the estimate.
+//
+//   standard  at the newest estimate.
+//   fej       at first estimates (Huang, Mourikis & Roumeliotis 2008): what is predicted (camera,
+//   free
+//             landmarks) where it was predicted to be, anchors where they were born, static
+//             landmarks where they were when their depth was first known to a tenth. A parameter
+//             then has one linearisation point for ever, and directions that no measurement sees
+//             stay unseen. At its birth a depth is a guess: fixed there, everything diverges.
+//   ideal     at the truth, in simulation only.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "slammot/filters/joint_state.h"
+#include "slammot/models/initialisation.h"
+#include "slammot/models/landmark_models.h"
+#include "slammot/models/truth.h"
+
+namespace slammot {
+
+class Linearisation {
+ public:
+  // Throws std::invalid_argument for an unknown name, or `ideal` without a truth.
+  Linearisation(const std::string& name, const LandmarkFunctions& landmark,
+                std::shared_ptr<const Truth> truth);
+
+  bool is_standard() const { return kind_ == Kind::kStandard; }
+
+  CameraState camera(const JointState& state) const;
+  Eigen::Vector3d anchor(const JointState& state, int frame) const;
+  Vector6d landmark(const JointState& state, int track) const;
+
+  // The state was predicted to the frame `frame`, dt after the one before.
+  void predicted(const JointState& state, int frame, double dt);
+
+  // A landmark is about to be born: its Jacobians, and its point from now on. `here` is what
+  // initialise() gives at the estimate.
+  NewLandmark birth(const JointState& state, const Camera& camera, const Observation& z, int frame,
+                    const NewLandmark& here);
+  void known_birth(const JointState& state, const KnownLandmark& known, int frame,
+                   const NewKnownLandmark& here);
+
+  // x := x [+] dx after an update or a collapse. Only `standard` re-expresses P at the new
+  // estimate: elsewhere its coordinates are those of the fixed points.
+  void correct(JointState& state, const Eigen::VectorXd& dx) const;
+
+ private:
+  enum class Kind { kStandard, kFej, kIdeal };
+
+  std::optional<Vector6d> true_landmark(int track, int frame, const Eigen::Vector3d& anchor) const;
+  const CameraState& true_camera(int frame) const;
+  void predicted_first_estimate(const JointState& state, const FilterLandmark& landmark);
+  void forget_what_left(const JointState& state);
+
+  Kind kind_;
+  const LandmarkFunctions& functions_;
+  std::shared_ptr<const Truth> truth_;
+  std::optional<CameraState> camera_;  // none before the first prediction: the estimate
+  std::map<int, Eigen::Vector3d> anchors_;
+  std::map<int, Vector6d> landmarks_;
+  std::set<int> settled_;  // fej: static landmarks whose point no longer moves
+};
+
+}  // namespace slammot
