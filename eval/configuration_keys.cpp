@@ -154,7 +154,7 @@ std::vector<ConfigurationKey> statement_keys() {
 std::vector<ConfigurationKey> estimator_keys() {
   return {
       choice("ekf.linearisation", "Jacobians at the estimate, the first estimate, or the truth",
-             {"standard", "fej", "ideal"}, SLAMMOT_FIELD(ekf.linearisation)),
+             {"standard", "fej", "ideal", "invariant"}, SLAMMOT_FIELD(ekf.linearisation)),
       number("ekf.iterations", "1: EKF, more: iterated EKF", kPositive,
              SLAMMOT_FIELD(ekf.iterations)),
       number("window.frames", "camera states kept", kPositive, SLAMMOT_FIELD(window.frames)),

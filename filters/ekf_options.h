@@ -6,7 +6,7 @@
 namespace slammot {
 
 struct EkfOptions {
-  std::string linearisation = "standard";  // standard | fej | ideal, see linearisation.h
+  std::string linearisation = "standard";  // | fej | ideal | invariant: linearisation.h
   int iterations = 1;    // 1: EKF; more: iterated EKF (Gauss-Newton steps on the same prior)
   bool delayed = false;  // a landmark's measurements move nothing but itself until it is classified
 };

@@ -12,7 +12,7 @@ std::optional<ObservedPixel> linearised(const JointState& state, const Linearisa
                                         const Camera& camera, const FilterLandmark& landmark) {
   auto h = expect(camera, state.camera.position, state.camera.orientation,
                   state.anchors.at(landmark.anchor).position, landmark.y);
-  if (!h || linearisation.is_standard()) return h;
+  if (!h || linearisation.at_estimate()) return h;
   const CameraState at = linearisation.camera(state);
   const Vector6d x = linearisation.landmark(state, landmark.record.track);
   auto there = observe(camera, at.position, at.orientation,
@@ -121,7 +121,7 @@ Innovation relinearise(const JointState& prior, const Linearisation& linearisati
                            iterate.anchors.at(landmark.anchor).position, landmark.y);
     if (!h) continue;  // keeps the residual and linearisation it had
     result.nu.segment<2>(2 * static_cast<int>(k)) = first.matches[k].pixel - h->pixel;
-    if (!linearisation.is_standard()) continue;
+    if (!linearisation.at_estimate()) continue;
     result.predicted[k] = *h;
     result.predicted[k].J_pose.rightCols<3>() *= J_r;
     const JointCovariance& P = prior.covariance;

@@ -44,6 +44,13 @@ void JointCovariance::propagate(StateBlock b, const Eigen::MatrixXd& F, const Ei
   storage_.block(b.offset, b.offset, b.dim, b.dim) += Q;
 }
 
+void JointCovariance::add_dependence(StateBlock b, const Eigen::MatrixXd& B) {
+  // P + B P_b' + P_b B' + B P_bb B' = P + B C' + C B'
+  const Eigen::MatrixXd C = cols(b) + 0.5 * B * block(b, b);
+  P().noalias() += B * C.transpose();
+  P().noalias() += C * B.transpose();
+}
+
 void JointCovariance::subtract_outer(const Eigen::MatrixXd& W) {
   auto P_n = P();
   P_n.selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);

@@ -40,6 +40,9 @@ class JointCovariance {
   // e_b := J e_b; the change of coordinates after an update (see joint_state.h).
   void transform(StateBlock b, const Eigen::MatrixXd& J);
 
+  // e := e + B e_b for the whole state; B has the state's rows, zero in those of b.
+  void add_dependence(StateBlock b, const Eigen::MatrixXd& B);
+
   // P := P - W W', W n x k, through one symmetric rank-k update.
   void subtract_outer(const Eigen::MatrixXd& W);
 

@@ -8,33 +8,34 @@ namespace slammot {
 
 Linearisation::Linearisation(const std::string& name, const LandmarkFunctions& landmark,
                              std::shared_ptr<const Truth> truth)
-    : kind_(name == "fej"     ? Kind::kFej
-            : name == "ideal" ? Kind::kIdeal
-                              : Kind::kStandard),
-      functions_(landmark),
-      truth_(std::move(truth)) {
-  if (is_standard() && name != "standard") {
-    throw std::invalid_argument("unknown linearisation '" + name + "'");
-  }
+    : kind_(kind_of(name)), functions_(landmark), truth_(std::move(truth)) {
   if (kind_ == Kind::kIdeal && !truth_) {
     throw std::invalid_argument("linearisation ideal needs the exact truth of a simulation");
   }
 }
 
+Linearisation::Kind Linearisation::kind_of(const std::string& name) {
+  if (name == "standard") return Kind::kStandard;
+  if (name == "fej") return Kind::kFej;
+  if (name == "ideal") return Kind::kIdeal;
+  if (name == "invariant") return Kind::kInvariant;
+  throw std::invalid_argument("unknown linearisation '" + name + "'");
+}
+
 CameraState Linearisation::camera(const JointState& state) const {
-  return is_standard() || !camera_ ? state.camera : *camera_;
+  return at_estimate() || !camera_ ? state.camera : *camera_;
 }
 
 Eigen::Vector3d Linearisation::anchor(const JointState& state, int frame) const {
-  return is_standard() ? state.anchors.at(frame).position : anchors_.at(frame);
+  return at_estimate() ? state.anchors.at(frame).position : anchors_.at(frame);
 }
 
 Vector6d Linearisation::landmark(const JointState& state, int track) const {
-  return is_standard() ? state.landmarks.at(track).x() : landmarks_.at(track);
+  return at_estimate() ? state.landmarks.at(track).x() : landmarks_.at(track);
 }
 
 void Linearisation::predicted(const JointState& state, int frame, double dt) {
-  if (is_standard()) return;
+  if (at_estimate()) return;
   forget_what_left(state);
   camera_ = kind_ == Kind::kFej ? state.camera : true_camera(frame);
   for (const auto& [track, landmark] : state.landmarks) {
@@ -85,7 +86,7 @@ std::optional<Vector6d> Linearisation::true_landmark(int track, int frame,
 
 NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
                                  const Observation& z, int frame, const NewLandmark& here) {
-  if (is_standard()) return here;
+  if (at_estimate()) return here;
   if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(frame);
   const CameraState at = this->camera(state);
   anchors_.try_emplace(frame, at.position);
@@ -108,7 +109,7 @@ NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
 
 void Linearisation::known_birth(const JointState& state, const KnownLandmark& known, int frame,
                                 const NewKnownLandmark& here) {
-  if (is_standard()) return;
+  if (at_estimate()) return;
   if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(frame);
   anchors_.try_emplace(frame, camera(state).position);
   std::optional<Vector6d> truth;
@@ -124,9 +125,48 @@ void Linearisation::forget_what_left(const JointState& state) {
   std::erase_if(settled_, [&](int track) { return !state.landmarks.contains(track); });
 }
 
+namespace {
+
+// d(theta, phi) of a landmark whose direction turns by c: d angles / dc.
+Matrix23d turned(const Eigen::Vector3d& y) {
+  const Eigen::Vector3d G = direction(y.x(), y.y());
+  return -angles_jacobian(G) * hat(G);
+}
+
+// A turn c of the world moves what stands at p by c x p = -hat(p) c. With errors e = dp - c x p, c
+// = R dtheta, an update only moves the estimate and leaves their covariance. In our coordinates
+// that is dp := dp + (hat(p) - hat(p+)) c for every block, and its like for directions; dtheta
+// itself is turned into the new camera frame.
+void invariant_reset(const JointState& before, JointState& after) {
+  JointCovariance& P = after.covariance;
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(P.size(), 3);
+  const auto moved = [&](int offset, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    B.middleRows<3>(offset) = hat(Eigen::Vector3d(from - to));
+  };
+  moved(kPosition, before.camera.position, after.camera.position);
+  moved(kVelocity, before.camera.velocity, after.camera.velocity);
+  for (const auto& [frame, anchor] : after.anchors) {
+    moved(anchor.block.offset, before.anchors.at(frame).position, anchor.position);
+  }
+  for (const auto& [track, landmark] : after.landmarks) {
+    const FilterLandmark& old = before.landmarks.at(track);
+    B.middleRows<2>(landmark.block.offset) = turned(landmark.y) - turned(old.y);
+    if (landmark.is_free()) moved(landmark.w_block().offset, old.w, landmark.w);
+  }
+  const Eigen::Matrix3d R = before.camera.orientation.toRotationMatrix();
+  P.add_dependence({kRotation, 3}, B * R);
+  P.transform({kRotation, 3}, after.camera.orientation.conjugate().toRotationMatrix() * R);
+}
+
+}  // namespace
+
 void Linearisation::correct(JointState& state, const Eigen::VectorXd& dx) const {
-  if (is_standard()) {
+  if (kind_ == Kind::kStandard) {
     state.correct(dx);
+  } else if (kind_ == Kind::kInvariant) {
+    const JointState before{state.camera, state.anchors, state.landmarks, {}};
+    state.move(dx);
+    invariant_reset(before, state);
   } else {
     state.move(dx);
   }

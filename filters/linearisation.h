@@ -7,7 +7,12 @@
 //             landmarks where they were when their depth was first known to a tenth. A parameter
 //             then has one linearisation point for ever, and directions that no measurement sees
 //             stay unseen. At its birth a depth is a guess: fixed there, everything diverges.
-//   ideal     at the truth, in simulation only.
+//   ideal      at the truth, in simulation only.
+//   invariant  at the newest estimate, but the errors of everything that stands in W are taken to
+//   turn
+//              with the camera's error (right-invariant error, Barrau & Bonnabel 2015). A heading
+//              that nobody has measured is then the same direction of the error before and after an
+//              update, and no update seems to measure it; see invariant_reset().
 #pragma once
 
 #include <map>
@@ -28,7 +33,8 @@ class Linearisation {
   Linearisation(const std::string& name, const LandmarkFunctions& landmark,
                 std::shared_ptr<const Truth> truth);
 
-  bool is_standard() const { return kind_ == Kind::kStandard; }
+  // Jacobians are taken at the estimate.
+  bool at_estimate() const { return kind_ == Kind::kStandard || kind_ == Kind::kInvariant; }
 
   CameraState camera(const JointState& state) const;
   Eigen::Vector3d anchor(const JointState& state, int frame) const;
@@ -49,8 +55,9 @@ class Linearisation {
   void correct(JointState& state, const Eigen::VectorXd& dx) const;
 
  private:
-  enum class Kind { kStandard, kFej, kIdeal };
+  enum class Kind { kStandard, kFej, kIdeal, kInvariant };
 
+  static Kind kind_of(const std::string& name);
   std::optional<Vector6d> true_landmark(int track, int frame, const Eigen::Vector3d& anchor) const;
   const CameraState& true_camera(int frame) const;
   void predicted_first_estimate(const JointState& state, const FilterLandmark& landmark);

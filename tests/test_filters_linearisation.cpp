@@ -1,0 +1,87 @@
+// Where the EKF takes its Jacobians: each value of the flag does what it says.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "slammot/datasets/scenario.h"
+#include "slammot/eval/run.h"
+
+namespace slammot {
+namespace {
+
+// The same scene and path with other pixel noise.
+Sequence renoised(Sequence sequence, unsigned seed) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal;
+  for (Frame& frame : sequence.frames) {
+    for (Observation& z : frame.observations) {
+      z.pixel += Eigen::Vector2d(normal(engine), normal(engine));
+    }
+  }
+  return sequence;
+}
+
+// The camera's covariance in the end, as a root mean variance of its entries' differences between
+// two noise realisations, in sigmas.
+double dependence_on_noise(const std::string& linearisation) {
+  const Sequence sequence = simulate("matched", {{"frames", "40"}}, 1);
+  Configuration configuration;
+  assign(configuration, {"landmark", "dynamic_inverse_depth"});
+  assign(configuration, {"ekf.linearisation", linearisation});
+  assign(configuration, {"gate.probability", "0.999999999999"});
+  const auto last = [&](unsigned seed) {
+    const RunResult run = run_estimator(renoised(sequence, seed), configuration, "true_labels");
+    EXPECT_FALSE(run.diverged);
+    return run.filtered.back().covariance;
+  };
+  const Matrix12d A = last(1), B = last(2);
+  const Vector12d sigma = B.diagonal().cwiseSqrt();
+  return (A - B).cwiseQuotient(sigma * sigma.transpose()).cwiseAbs().maxCoeff();
+}
+
+TEST(Linearisation, IdealDoesNotDependOnTheMeasurements) {
+  EXPECT_LT(dependence_on_noise("ideal"), 1e-9);
+  EXPECT_GT(dependence_on_noise("standard"), 1e-3);
+  EXPECT_GT(dependence_on_noise("fej"), 1e-3);
+}
+
+// Nothing says where the world's north is: the error of the first heading stays for ever. A filter
+// whose Jacobians move from frame to frame believes to learn of it (Huang et al. 2008).
+double heading_sigma(const std::string& linearisation) {
+  Sequence sequence =
+      simulate("circle", {{"frames", "120"}, {"moving", "0"}, {"known", "0"}, {"noise", "2"}}, 4);
+  constexpr double kHeading = 0.2;  // [rad]
+  sequence.initial->rotation_sigma = kHeading;
+  sequence.initial->velocity_sigma = 10.0;  // a known velocity in W would tell north
+  Configuration configuration;
+  assign(configuration, {"ekf.linearisation", linearisation});
+  assign(configuration, {"classifier", "all_static"});
+  const RunResult run = run_estimator(sequence, configuration, "ekf");
+  EXPECT_FALSE(run.diverged);
+  const Eigen::Matrix3d P = run.filtered.back().covariance.block<3, 3>(kRotation, kRotation);
+  const Eigen::Vector3d down =
+      run.filtered.back().state.orientation.conjugate() * Eigen::Vector3d::UnitY();
+  return std::sqrt(down.dot(P * down)) / kHeading;
+}
+
+TEST(Linearisation, TheInvariantErrorInventsNoHeading) {
+  const double standard = heading_sigma("standard"), fej = heading_sigma("fej"),
+               ideal = heading_sigma("ideal"), invariant = heading_sigma("invariant");
+  std::printf(
+      "sigma of the heading over its first: standard %.3f, fej %.3f, ideal %.3f, invariant %.3f\n",
+      standard, fej, ideal, invariant);
+  EXPECT_LT(standard, 0.5);
+  EXPECT_GT(invariant, 0.9);
+}
+
+TEST(Linearisation, UnknownNamesAndAMissingTruthAreRefused) {
+  Sequence sequence = simulate("matched", {{"frames", "3"}}, 1);
+  Configuration configuration;
+  EXPECT_THROW(assign(configuration, {"ekf.linearisation", "perfect"}), std::invalid_argument);
+  assign(configuration, {"ekf.linearisation", "ideal"});
+  sequence.exact_truth = false;
+  EXPECT_THROW(run_estimator(sequence, configuration, "ekf"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace slammot
