@@ -27,7 +27,7 @@ struct MatchedOptions {
   RecordingOptions recording;
   InitialCamera initial;          // the mean
   StatedMotion motion{1.0, 0.3};  // [m/s^2], [rad/s^2]
-  LandmarkPrior prior{0.2, 0.03, 2.0, 0.1};
+  LandmarkPrior prior{0.2, 0.03, 0.0, 2.0, 0.1};
   double moving_fraction = 0.5;  // of those born after frame 0
   int visible = 30;              // landmarks in every frame
   int known = 6;                 // of them, in frame 0

@@ -29,6 +29,7 @@ struct MotionConfiguration {
 struct PriorConfiguration {
   std::optional<double> inverse_depth;        // [1/m]
   std::optional<double> inverse_depth_sigma;  // [1/m]
+  std::optional<double> mean_sigma;           // [1/m]
   std::optional<double> max_speed;            // [m/s]
   std::optional<double> acceleration;         // [m/s^2]
 };

@@ -34,6 +34,7 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const PriorConfiguration&
   LandmarkPrior prior = sequence.prior.value_or(LandmarkPrior{});
   prior.inverse_depth = overrides.inverse_depth.value_or(prior.inverse_depth);
   prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
+  prior.mean_sigma = overrides.mean_sigma.value_or(prior.mean_sigma);
   prior.max_speed = overrides.max_speed.value_or(prior.max_speed);
   prior.acceleration = overrides.acceleration.value_or(prior.acceleration);
   return prior;
@@ -82,7 +83,7 @@ Configuration resolve(const Sequence& sequence, Configuration configuration) {
   configuration.motion.acceleration = setup.camera_noise.acceleration;
   configuration.motion.angular_acceleration = setup.camera_noise.angular_acceleration;
   configuration.prior = {setup.prior.inverse_depth, setup.prior.inverse_depth_sigma,
-                         setup.prior.max_speed, setup.prior.acceleration};
+                         setup.prior.mean_sigma, setup.prior.max_speed, setup.prior.acceleration};
   configuration.initial = {setup.initial.velocity_sigma, setup.initial.angular_velocity_sigma};
   return configuration;
 }

@@ -61,6 +61,12 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       Eigen::Vector3d::Constant(initial.angular_velocity_sigma);
   state_.camera = initial.state;
   state_.covariance.append({}, sigma.cwiseAbs2().asDiagonal().toDenseMatrix());
+  const LandmarkPrior& prior = setup.prior;
+  if (prior.mean_sigma > 0.0) {
+    const Eigen::MatrixXd variance =
+        Eigen::MatrixXd::Constant(1, 1, prior.mean_sigma * prior.mean_sigma);
+    state_.scene = {prior.inverse_depth, state_.covariance.append({}, variance)};
+  }
 }
 
 // One frame of the thesis's algorithm (chapters 2 and 3).
@@ -261,7 +267,8 @@ void Ekf::admit_new(const Frame& frame, FrameReport& report) {
   const bool first_frame = frame.index == first_frame_;
   for (const Observation& z : births) {
     const auto y =
-        initialise(setup_.camera, state_.camera.orientation, z.pixel, setup_.prior.inverse_depth);
+        initialise(setup_.camera, state_.camera.orientation, z.pixel,
+                   state_.scene ? state_.scene->inverse_depth : setup_.prior.inverse_depth);
     if (!y) continue;
     const NewLandmark at = linearisation_.birth(state_, setup_.camera, z, frame.index, *y);
     const Label label = classifier_->at_birth(z.track, first_frame);
@@ -275,7 +282,9 @@ void Ekf::admit_new(const Frame& frame, FrameReport& report) {
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(dim, 3);
     J.topRows<2>() = at.J_angles_rotation;
     anchor_here(frame.index);
-    const StateBlock block = state_.covariance.append({{{kRotation, 3}, J}}, R);
+    std::vector<JointCovariance::Dependence> on{{{kRotation, 3}, J}};
+    if (state_.scene) on.push_back({state_.scene->block, Eigen::MatrixXd::Identity(dim, 3).col(2)});
+    const StateBlock block = state_.covariance.append(on, R);
     add(born(z.track, frame.index, label, first_frame), y->y, block, frame.index);
     ++report.admitted;
   }

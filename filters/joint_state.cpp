@@ -6,6 +6,7 @@ namespace slammot {
 
 void JointState::move(const Eigen::VectorXd& dx) {
   camera = boxplus(camera, Vector12d(dx.head<kCameraDim>()));
+  if (scene) scene->inverse_depth += dx(scene->block.offset);
   for (auto& [frame, anchor] : anchors) anchor.position += dx.segment<3>(anchor.block.offset);
   for (auto& [track, landmark] : landmarks) {
     landmark.y += dx.segment<3>(landmark.block.offset);

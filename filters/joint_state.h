@@ -6,6 +6,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 
 #include "slammot/filters/joint_covariance.h"
 #include "slammot/models/camera_state.h"
@@ -32,8 +33,16 @@ struct FilterLandmark {
   Vector6d x() const { return (Vector6d() << y, w).finished(); }
 };
 
+// The mean inverse depth of the scene at first sight, when it is to be learnt: all landmarks'
+// priors share its error (LandmarkPrior::mean_sigma).
+struct FilterScene {
+  double inverse_depth = 0.0;
+  StateBlock block;  // 1
+};
+
 struct JointState {
   CameraState camera;
+  std::optional<FilterScene> scene;
   std::map<int, FilterAnchor> anchors;      // by the index of the frame they were born in
   std::map<int, FilterLandmark> landmarks;  // by track
   JointCovariance covariance;

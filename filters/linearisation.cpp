@@ -164,7 +164,7 @@ void Linearisation::correct(JointState& state, const Eigen::VectorXd& dx) const 
   if (kind_ == Kind::kStandard) {
     state.correct(dx);
   } else if (kind_ == Kind::kInvariant) {
-    const JointState before{state.camera, state.anchors, state.landmarks, {}};
+    const JointState before{state.camera, state.scene, state.anchors, state.landmarks, {}};
     state.move(dx);
     invariant_reset(before, state);
   } else {

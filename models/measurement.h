@@ -40,6 +40,7 @@ struct InitialCamera {
 struct LandmarkPrior {
   double inverse_depth = 0.3;         // rho0 [1/m]
   double inverse_depth_sigma = 0.15;  // sigma_rho [1/m]
+  double mean_sigma = 0.0;            // of rho0 itself, the same error for all [1/m]; 0: known
   double max_speed = 2.0;             // |v|max [m/s]; sigma_v = |v|max / 2, thesis (2.6)
   double acceleration = 1.0;          // sigma of unknown and moving landmarks' noise [m/s^2]
 

@@ -24,6 +24,7 @@ class Batch final : public Estimator {
   Batch(const Setup& setup, const ModelOptions& models, const WindowOptions& front)
       : setup_(setup), models_(models), window_(setup, models, front), graph_(false) {
     window_.record_lives_ = true;
+    scene_ = add_scene(graph_, setup.prior);
   }
 
   FrameReport process(const Frame& frame, StageListener& stages) override {
@@ -58,6 +59,7 @@ class Batch final : public Estimator {
   std::vector<double> timestamps_;
   Graph graph_;
   MotionManifold motion_manifold_;
+  std::optional<VariableId> scene_;              // as Window's
   std::vector<VariableId> positions_, motions_;  // by frame
   std::vector<BatchLandmark> all_;
   std::optional<std::vector<LandmarkEstimate>> landmarks_;
@@ -94,7 +96,11 @@ void Batch::add_landmark(const LandmarkLife& life) {
     const auto known = window_.known_.at(life.record.track);
     graph_.add_factor({l.anchor, l.y}, known_landmark_cost(known));
   } else {
-    graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior));
+    if (scene_) {
+      graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(setup_.prior));
+    } else {
+      graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior));
+    }
   }
   if (life.record.label != Label::kStatic) {
     l.w = graph_.add_variable(life.states.front().tail<3>(), nullptr, owner);

@@ -129,6 +129,33 @@ class InverseDepthPriorCost final : public ceres::SizedCostFunction<1, 3> {
   LandmarkPrior prior_;
 };
 
+class SharedInverseDepthCost final : public ceres::SizedCostFunction<1, 3, 1> {
+ public:
+  explicit SharedInverseDepthCost(double sigma) : sigma_(sigma) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    residuals[0] = (x[0][2] - x[1][0]) / sigma_;
+    write<1, 3>(jacobians, 0, Eigen::RowVector3d(0.0, 0.0, 1.0 / sigma_));
+    write<1, 1>(jacobians, 1, Eigen::Matrix<double, 1, 1>(-1.0 / sigma_));
+    return true;
+  }
+
+ private:
+  double sigma_;
+};
+
+class ScenePriorCost final : public ceres::SizedCostFunction<1, 1> {
+ public:
+  explicit ScenePriorCost(const LandmarkPrior& prior) : prior_(prior) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    residuals[0] = (x[0][0] - prior_.inverse_depth) / prior_.mean_sigma;
+    write<1, 1>(jacobians, 0, Eigen::Matrix<double, 1, 1>(1.0 / prior_.mean_sigma));
+    return true;
+  }
+
+ private:
+  LandmarkPrior prior_;
+};
+
 // x / sigma of any Euclidean block.
 template <int N>
 class ZeroMeanCost final : public ceres::SizedCostFunction<N, N> {
@@ -181,6 +208,14 @@ Cost first_pixel_cost(const Camera& camera, const Eigen::Vector2d& pixel, double
 
 Cost inverse_depth_prior_cost(const LandmarkPrior& prior) {
   return std::make_unique<InverseDepthPriorCost>(prior);
+}
+
+Cost shared_inverse_depth_cost(const LandmarkPrior& prior) {
+  return std::make_unique<SharedInverseDepthCost>(prior.inverse_depth_sigma);
+}
+
+Cost scene_prior_cost(const LandmarkPrior& prior) {
+  return std::make_unique<ScenePriorCost>(prior);
 }
 
 Cost motion_prior_cost(double sigma) { return std::make_unique<ZeroMeanCost<3>>(sigma); }

@@ -35,6 +35,13 @@ Cost first_pixel_cost(const Camera& camera, const Eigen::Vector2d& pixel, double
 // (rho - rho0) / sigma_rho. Block: y.
 Cost inverse_depth_prior_cost(const LandmarkPrior& prior);
 
+// (rho - m) / sigma_rho, where the mean m of the scene's inverse depths is a variable. Blocks: y,
+// m.
+Cost shared_inverse_depth_cost(const LandmarkPrior& prior);
+
+// (m - rho0) / mean_sigma. Block: m.
+Cost scene_prior_cost(const LandmarkPrior& prior);
+
 // w / sigma, 3 residuals. Block: w.
 Cost motion_prior_cost(double sigma);
 

@@ -34,6 +34,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       loss_(make_loss(options.loss)),
       graph_(first_estimates(options.linearisation)) {
   for (const KnownLandmark& known : setup.known) known_[known.track] = known;
+  scene_ = add_scene(graph_, setup.prior);
 }
 
 FrameReport Window::process(const Frame& frame, StageListener& stages) {

@@ -61,6 +61,9 @@ struct WindowLandmark {
   LandmarkLife life;
 };
 
+// The mean inverse depth of the scene with its prior; nothing when it is known (mean_sigma = 0).
+std::optional<VariableId> add_scene(Graph& graph, const LandmarkPrior& prior);
+
 class Window : public Estimator {
  public:
   // Throws std::invalid_argument for an unknown landmark model, classifier, linearisation or loss.
@@ -124,6 +127,7 @@ class Window : public Estimator {
   MotionManifold motion_manifold_;
   std::map<int, KnownLandmark> known_;
   Graph graph_;
+  std::optional<VariableId> scene_;  // mean inverse depth at first sight, when it is learnt
   std::deque<WindowFrame> frames_;
   std::map<int, WindowLandmark> landmarks_;  // by track
   std::vector<WindowLandmark> dead_;         // lost, with measurements in the window

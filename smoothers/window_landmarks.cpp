@@ -6,6 +6,14 @@
 
 namespace slammot {
 
+std::optional<VariableId> add_scene(Graph& graph, const LandmarkPrior& prior) {
+  if (!(prior.mean_sigma > 0.0)) return std::nullopt;
+  const VariableId scene =
+      graph.add_variable(Eigen::VectorXd::Constant(1, prior.inverse_depth), nullptr, -1);
+  graph.add_factor({scene}, scene_prior_cost(prior));
+  return scene;
+}
+
 WindowLandmark& Window::birth(const TrackRecord& record, const Eigen::Vector2d& pixel) {
   WindowLandmark& landmark = landmarks_[record.track];
   landmark.record = record;
@@ -44,15 +52,17 @@ void Window::admit_new(const Frame& frame, FrameReport& report) {
       admit(candidates, static_cast<int>(landmarks_.size()), report.accepted, models_.policy);
   const bool first_frame = frame.index == first_frame_;
   for (const Observation& z : births) {
-    const auto y =
-        initialise(setup_.camera, state(newest()).orientation, z.pixel, setup_.prior.inverse_depth);
+    const auto y = initialise(setup_.camera, state(newest()).orientation, z.pixel,
+                              scene_ ? graph_.value(*scene_)(0) : setup_.prior.inverse_depth);
     if (!y) continue;
     const Label label = classifier_->at_birth(z.track, first_frame);
     WindowLandmark& l = birth(born(z.track, frame.index, label, first_frame), z.pixel);
     l.y = graph_.add_variable(y->y, nullptr, z.track);
     const WindowPixel first{0, newest().position, newest().motion, z.pixel, 0};
     const FactorId factor = add_pixel(l, first);
-    newest().knowledge.insert(graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior)));
+    newest().knowledge.insert(
+        scene_ ? graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(setup_.prior))
+               : graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior)));
     ++report.admitted;
     if (label == Label::kStatic) continue;
     l.w = graph_.add_variable(Eigen::Vector3d::Zero(), nullptr, z.track);

@@ -23,6 +23,7 @@ double relative_difference(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
 
 struct Case {
   std::string landmark, collapse, classifier;
+  double mean_sigma = 0.0;
 };
 
 class OneFrame : public testing::TestWithParam<Case> {};
@@ -31,6 +32,7 @@ TEST_P(OneFrame, AndOneStepIsTheEkf) {
   const Sequence sequence = simulate("circle", {{"frames", "120"}}, 3);
   slammot::Setup setup = make_setup(sequence, Configuration{});
   ModelOptions models;
+  setup.prior.mean_sigma = GetParam().mean_sigma;
   models.landmark = GetParam().landmark;
   models.collapse = GetParam().collapse;
   models.classifier.name = GetParam().classifier;
@@ -86,6 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Models, OneFrame,
                          testing::Values(Case{"dynamic_inverse_depth", "drop", "thesis"},
                                          Case{"dynamic_inverse_depth", "condition", "thesis"},
                                          Case{"scaled_velocity", "drop", "thesis"},
+                                         Case{"scaled_velocity", "drop", "bayes_factor", 0.02},
                                          Case{"scaled_velocity", "condition", "bayes_factor"}),
                          [](const auto& tested) {
                            return tested.param.landmark + "_" + tested.param.collapse + "_" +

@@ -367,6 +367,8 @@ TEST(Factors, JacobiansOnTheManifold) {
     y << angles(ray, 0.0), 0.2;
     expect_gradients(*pixel_cost(pinhole(), {300, 200}, 1.0), {pa, ma, anchor, y}, manifold);
     expect_gradients(*first_pixel_cost(pinhole(), {300, 200}, 1.0), {ma, y}, manifold);
+    const SmallVector mean = SmallVector::Constant(1, 0.3);
+    expect_gradients(*shared_inverse_depth_cost({}), {y, mean}, manifold);
     expect_gradients(*known_landmark_cost({1, vector(2.0), 0.1}), {anchor, y}, manifold);
     for (const LandmarkFunctions& landmark : landmark_table()) {
       auto chain = std::make_shared<Chain>(Chain{&landmark, {}});
