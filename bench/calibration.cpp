@@ -63,6 +63,7 @@ int main(int argc, char** argv) {
     Outcome& outcome = outcomes[static_cast<std::size_t>(i)];
     outcome.diverged = run.diverged.has_value();
     outcome.filtered = mean_nees(sequence, run.filtered);
+    if (run.diverged) outcome.filtered = outcome.smoothed = INFINITY;
     if (!run.smoothed.empty()) outcome.smoothed = mean_nees(sequence, run.smoothed);
     std::fprintf(stderr, "seed %d done: %.3f %.3f\n", i + 1, outcome.filtered, outcome.smoothed);
   });

@@ -30,7 +30,9 @@ void LandmarkHistory::retire(int frame, const std::vector<LandmarkEstimate>& lan
 }
 
 void LandmarkHistory::revise(int frame, const std::vector<LandmarkEstimate>& landmarks) {
-  for (const LandmarkEstimate& landmark : landmarks) remember(frame, landmark);
+  for (const LandmarkEstimate& landmark : landmarks) {
+    remember(landmark.state_frame.value_or(frame), landmark);
+  }
 }
 
 void LandmarkHistory::remember(int frame, const LandmarkEstimate& landmark) {

@@ -39,6 +39,7 @@ class Ekf final : public Estimator {
   const LandmarkFunctions& landmark_;
   std::unique_ptr<Classifier> classifier_;
   std::map<int, KnownLandmark> known_;
+  std::set<int> known_used_;
   JointState state_;
   Linearisation linearisation_;
   std::optional<double> timestamp_;
@@ -203,12 +204,12 @@ void Ekf::collapse(const std::vector<int>& tracks) {
 
 void Ekf::retire(FrameReport& report) {
   std::vector<int> lost;
-  const CameraState& c = state_.camera;
+  const CameraState c = linearisation_.camera(state_);
   for (auto& [track, landmark] : state_.landmarks) {
     if (landmark.record.unused_frames > 0) {
-      note_unused(landmark.record,
-                  in_view(setup_.camera, c.position, c.orientation,
-                          state_.anchors.at(landmark.anchor).position, landmark.y));
+      note_unused(landmark.record, in_view(setup_.camera, c.position, c.orientation,
+                                           linearisation_.anchor(state_, landmark.anchor),
+                                           linearisation_.landmark(state_, track).head<3>()));
     }
     if (!is_lost(landmark.record, models_.policy)) continue;
     lost.push_back(track);
@@ -242,10 +243,11 @@ void Ekf::admit_known(const Frame& frame, FrameReport& report) {
   for (const Observation& z : frame.observations) {
     const auto known = known_.find(z.track);
     if (known == known_.end() || state_.landmarks.contains(z.track)) continue;
+    if (!known_used_.insert(z.track).second) continue;  // what was stated counts once
     const FilterAnchor& anchor = anchor_here(frame.index);
     const NewKnownLandmark born_here = initialise_known(known->second, anchor.position);
-    linearisation_.known_birth(state_, known->second, frame.index, born_here);
-    const Eigen::MatrixXd J = born_here.J_y_position;
+    const Eigen::MatrixXd J =
+        linearisation_.known_birth(state_, known->second, frame.index, born_here).J_y_position;
     const double variance = known->second.sigma * known->second.sigma;
     const StateBlock block =
         state_.covariance.append({{anchor.block, -J}}, variance * J * J.transpose());

@@ -7,18 +7,20 @@ namespace slammot {
 
 namespace {
 
-// h at the estimate with the Jacobians of the linearisation point; its own where there are none.
+// h at the estimate with the Jacobians of the linearisation point; its own where there are none. At
+// the truth a measurement counts whether or not the estimate sees its landmark: what is learnt must
+// not depend on the estimate.
 std::optional<ObservedPixel> linearised(const JointState& state, const Linearisation& linearisation,
                                         const Camera& camera, const FilterLandmark& landmark) {
   auto h = expect(camera, state.camera.position, state.camera.orientation,
                   state.anchors.at(landmark.anchor).position, landmark.y);
-  if (!h || linearisation.at_estimate()) return h;
+  if (linearisation.at_estimate() || (!h && !linearisation.at_truth())) return h;
   const CameraState at = linearisation.camera(state);
   const Vector6d x = linearisation.landmark(state, landmark.record.track);
   auto there = observe(camera, at.position, at.orientation,
                        linearisation.anchor(state, landmark.anchor), Eigen::Vector3d(x.head<3>()));
   if (!there) return h;
-  there->pixel = h->pixel;
+  if (h) there->pixel = h->pixel;
   return there;
 }
 
@@ -115,11 +117,13 @@ Innovation relinearise(const JointState& prior, const Linearisation& linearisati
   iterate.move(dx);
   const Eigen::Matrix3d J_r = right_jacobian_so3(dx.segment<3>(kRotation));
   Innovation result = first;
+  std::vector<bool> evaluated(first.matches.size(), false);
   for (std::size_t k = 0; k < first.matches.size(); ++k) {
     const FilterLandmark& landmark = iterate.landmarks.at(first.matches[k].track);
     const auto h = observe(camera, iterate.camera.position, iterate.camera.orientation,
                            iterate.anchors.at(landmark.anchor).position, landmark.y);
     if (!h) continue;  // keeps the residual and linearisation it had
+    evaluated[k] = true;
     result.nu.segment<2>(2 * static_cast<int>(k)) = first.matches[k].pixel - h->pixel;
     if (!linearisation.at_estimate()) continue;
     result.predicted[k] = *h;
@@ -130,7 +134,11 @@ Innovation relinearise(const JointState& prior, const Linearisation& linearisati
               P.cols(iterate.anchors.at(landmark.anchor).block) * h->J_anchor.transpose() +
               P.cols(landmark.y_block()) * h->J_y.transpose();
   }
-  result.nu += apply_H(prior, result, dx);
+  const Eigen::VectorXd H_dx = apply_H(prior, result, dx);
+  for (std::size_t k = 0; k < evaluated.size(); ++k) {
+    const auto row = 2 * static_cast<Eigen::Index>(k);
+    if (evaluated[k]) result.nu.segment<2>(row) += H_dx.segment<2>(row);
+  }
   return result;
 }
 

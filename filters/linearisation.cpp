@@ -107,16 +107,19 @@ NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
   return result;
 }
 
-void Linearisation::known_birth(const JointState& state, const KnownLandmark& known, int frame,
-                                const NewKnownLandmark& here) {
-  if (at_estimate()) return;
+NewKnownLandmark Linearisation::known_birth(const JointState& state, const KnownLandmark& known,
+                                            int frame, const NewKnownLandmark& here) {
+  if (at_estimate()) return here;
   if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(frame);
-  anchors_.try_emplace(frame, camera(state).position);
+  const Eigen::Vector3d anchor = anchors_.try_emplace(frame, camera(state).position).first->second;
   std::optional<Vector6d> truth;
-  if (kind_ == Kind::kIdeal) truth = true_landmark(known.track, frame, anchors_.at(frame));
+  if (kind_ == Kind::kIdeal) truth = true_landmark(known.track, frame, anchor);
   Vector6d x;
   x << here.y, Eigen::Vector3d::Zero();
   landmarks_[known.track] = truth ? *truth : x;
+  if (!truth) return here;
+  const Eigen::Vector3d position = position_world(anchor, truth->head<3>());
+  return initialise_known({known.track, position, known.sigma}, anchor);
 }
 
 void Linearisation::forget_what_left(const JointState& state) {

@@ -1,18 +1,20 @@
 // Where the EKF takes its Jacobians; innovations and predictions are always at the estimate.
 //
-//   standard  at the newest estimate.
-//   fej       at first estimates (Huang, Mourikis & Roumeliotis 2008): what is predicted (camera,
-//   free
-//             landmarks) where it was predicted to be, anchors where they were born, static
-//             landmarks where they were when their depth was first known to a tenth. A parameter
-//             then has one linearisation point for ever, and directions that no measurement sees
-//             stay unseen. At its birth a depth is a guess: fixed there, everything diverges.
-//   ideal      at the truth, in simulation only.
-//   invariant  at the newest estimate, but the errors of everything that stands in W are taken to
-//   turn
-//              with the camera's error (right-invariant error, Barrau & Bonnabel 2015). A heading
-//              that nobody has measured is then the same direction of the error before and after an
-//              update, and no update seems to measure it; see invariant_reset().
+// `standard`: at the newest estimate.
+//
+// `fej`: at first estimates (Huang, Mourikis & Roumeliotis 2008). What is predicted (camera, free
+// landmarks) where it was predicted to be, anchors where they were born, static landmarks where
+// they were when their depth was first known to a tenth: at its birth a depth is a guess, and fixed
+// there everything diverges. Anchors and settled landmarks then have one point for ever. The
+// camera's F is not matched to the points on both sides of a prediction, so a heading is still
+// invented.
+//
+// `ideal`: at the truth, in simulation only.
+//
+// `invariant`: at the newest estimate, but the errors of everything in W are taken to turn with the
+// camera's error (right-invariant error, Barrau & Bonnabel 2015). A heading that nobody has
+// measured is then the same direction of the error before and after an update, and no update seems
+// to measure it.
 #pragma once
 
 #include <map>
@@ -36,6 +38,8 @@ class Linearisation {
   // Jacobians are taken at the estimate.
   bool at_estimate() const { return kind_ == Kind::kStandard || kind_ == Kind::kInvariant; }
 
+  bool at_truth() const { return kind_ == Kind::kIdeal; }
+
   CameraState camera(const JointState& state) const;
   Eigen::Vector3d anchor(const JointState& state, int frame) const;
   Vector6d landmark(const JointState& state, int track) const;
@@ -47,8 +51,8 @@ class Linearisation {
   // initialise() gives at the estimate.
   NewLandmark birth(const JointState& state, const Camera& camera, const Observation& z, int frame,
                     const NewLandmark& here);
-  void known_birth(const JointState& state, const KnownLandmark& known, int frame,
-                   const NewKnownLandmark& here);
+  NewKnownLandmark known_birth(const JointState& state, const KnownLandmark& known, int frame,
+                               const NewKnownLandmark& here);
 
   // x := x [+] dx after an update or a collapse. Only `standard` re-expresses P at the new
   // estimate: elsewhere its coordinates are those of the fixed points.

@@ -49,7 +49,8 @@ struct LandmarkEstimate {
   int first_frame = 0;            // frame indices, as in Frame::index
   int last_frame = 0;             // of the newest measurement used
   std::optional<int> decision_frame;
-  int observations = 0;  // measurements used, the first one included
+  std::optional<int> state_frame;  // of position and velocity, where it is not the newest frame
+  int observations = 0;            // measurements used, the first one included
   Eigen::Vector3d position = Eigen::Vector3d::Constant(kUndefined);  // W [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Constant(kUndefined);  // W [m/s]
   Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Constant(kUndefined);

@@ -58,7 +58,8 @@ struct ScaledVelocity {
   }
   static double density_scale(const Vector6d& x) { return std::abs(x(2) * x(2) * x(2)); }
   static double prior_sigma(const LandmarkPrior& prior) {
-    return std::hypot(prior.inverse_depth, prior.inverse_depth_sigma) * prior.velocity_sigma();
+    const double rho = std::hypot(prior.inverse_depth, prior.inverse_depth_sigma, prior.mean_sigma);
+    return rho * prior.velocity_sigma();  // root mean square of rho, as stated before any learning
   }
 };
 

@@ -234,7 +234,9 @@ LandmarkEstimate Batch::estimate(const BatchLandmark& l, const NormalEquations& 
   belief.w = landmark.x.tail<3>();
   const std::vector<LinearForm> forms{form};
   belief.covariance = equations.covariances(forms).front();
-  return window_.functions_.estimate(l.life.record, belief);
+  LandmarkEstimate estimate = window_.functions_.estimate(l.life.record, belief);
+  if (l.w) estimate.state_frame = l.life.record.last_frame;  // where its chain ends
+  return estimate;
 }
 
 std::unique_ptr<Estimator> make_batch(const Setup& setup, const ModelOptions& models,

@@ -87,6 +87,8 @@ SmallVector Graph::value(VariableId id) const {
          far_.K.middleRows<FarMap::kDim>(row) * prior_difference();
 }
 
+void Graph::forget_first_estimate(VariableId id) { variables_.at(id).first.reset(); }
+
 Graph::Values Graph::far_values() const {
   Values values;
   if (far_.dim() == 0) return values;
@@ -124,16 +126,6 @@ void Graph::bring_back(const std::vector<VariableId>& ids) {
     prior_.offsets.insert(prior_.offsets.begin(), at);
     prior_.x0.insert(prior_.x0.begin(), SmallVector(back.mean.segment<FarMap::kDim>(at)));
   }
-}
-
-Graph::Values Graph::values() const {
-  Values values;
-  for (const auto& [id, v] : variables_) values[id] = v.value;
-  return values;
-}
-
-void Graph::restore(const Values& values) {
-  for (const auto& [id, value] : values) variables_.at(id).value = value;
 }
 
 void Graph::linearise() {
@@ -350,10 +342,6 @@ void Graph::set_far(FarMap far, const std::set<VariableId>& rested) {
     resting_[id] = std::move(variables_.at(id));
     variables_.erase(id);
   }
-}
-
-bool Graph::in_prior(VariableId id) const {
-  return std::find(prior_.variables.begin(), prior_.variables.end(), id) != prior_.variables.end();
 }
 
 }  // namespace slammot

@@ -95,9 +95,8 @@ class Graph {
   void set_value(VariableId id, const SmallVector& value) { variables_.at(id).value = value; }
 
   using Values = std::map<VariableId, SmallVector>;
-  Values values() const;
+  void forget_first_estimate(VariableId id);
   Values far_values() const;  // as value() of each
-  void restore(const Values& values);
 
   // Residual of the prior at the current estimate, and R expressed there.
   Eigen::VectorXd prior_difference() const;
@@ -117,7 +116,6 @@ class Graph {
   // The numbers of a variable, for Ceres to move.
   double* data(VariableId id) { return variables_.at(id).value.data(); }
 
-  bool in_prior(VariableId id) const;
   const std::map<VariableId, Variable>& variables() const { return variables_; }
   const std::map<FactorId, Factor>& factors() const { return factors_; }
   const LinearPrior& prior() const { return prior_; }

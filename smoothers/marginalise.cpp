@@ -135,6 +135,8 @@ void marginalise(Graph& graph, const std::set<VariableId>& leaving,
     substitute(far.K, columns, a);
     graph.set_value(a.y, a.next.head<3>());
     graph.set_value(a.w, a.next.tail<3>());
+    graph.forget_first_estimate(a.y);  // it is another state now
+    graph.forget_first_estimate(a.w);
   }
   const Eigen::MatrixXd R = triangularise(Ab);
   int gone = 0;  // numbers that leave or rest

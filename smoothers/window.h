@@ -13,8 +13,8 @@
 
 namespace slammot {
 
-// Throws std::invalid_argument for an unknown landmark model, classifier, linearisation or loss,
-// and for a singular camera noise.
+// Throws std::invalid_argument for an unknown landmark model, classifier, linearisation or loss;
+// process() throws it at the second frame for a singular camera noise.
 std::unique_ptr<Estimator> make_window(const Setup& setup, const ModelOptions& models,
                                        const WindowOptions& options);
 

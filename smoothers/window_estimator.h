@@ -126,6 +126,7 @@ class Window : public Estimator {
   std::unique_ptr<ceres::LossFunction> loss_;
   MotionManifold motion_manifold_;
   std::map<int, KnownLandmark> known_;
+  std::set<int> known_used_;
   Graph graph_;
   std::optional<VariableId> scene_;  // mean inverse depth at first sight, when it is learnt
   std::deque<WindowFrame> frames_;

@@ -21,7 +21,7 @@ WindowLandmark& Window::birth(const TrackRecord& record, const Eigen::Vector2d& 
   landmark.base = newest().position;
   if (record_lives_) {
     landmark.life.birth = newest().number;
-    if (!known_.contains(record.track)) landmark.life.pixels.emplace_back(newest().number, pixel);
+    if (record.observations > 0) landmark.life.pixels.emplace_back(newest().number, pixel);
   }
   return landmark;
 }
@@ -30,6 +30,7 @@ void Window::admit_known(const Frame& frame, FrameReport& report) {
   for (const Observation& z : frame.observations) {
     const auto known = known_.find(z.track);
     if (known == known_.end() || landmarks_.contains(z.track)) continue;
+    if (!known_used_.insert(z.track).second) continue;  // what was stated counts once
     TrackRecord record = born(z.track, frame.index, Label::kStatic, true);
     record.observations = 0;
     WindowLandmark& landmark = birth(record, z.pixel);

@@ -17,6 +17,7 @@ struct NoStages final : StageListener {
 
 // The largest entry of A - B in units of the standard deviations of B.
 double relative_difference(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
+  EXPECT_TRUE(A.allFinite() && B.allFinite());
   const Eigen::VectorXd s = B.diagonal().cwiseSqrt();
   return (A - B).cwiseQuotient(s * s.transpose()).cwiseAbs().maxCoeff();
 }
@@ -69,6 +70,9 @@ TEST_P(OneFrame, AndOneStepIsTheEkf) {
     worst_landmark = std::max(
         worst_landmark,
         relative_difference(same[i].position_covariance, landmarks[i].position_covariance));
+    const Eigen::Vector3d sigma = landmarks[i].position_covariance.diagonal().cwiseSqrt();
+    const Eigen::Vector3d moved = same[i].position - landmarks[i].position;
+    worst_landmark = std::max(worst_landmark, moved.cwiseQuotient(sigma).cwiseAbs().maxCoeff());
   }
   RecordProperty("state", std::to_string(worst_state));
   std::printf(

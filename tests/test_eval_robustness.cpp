@@ -37,6 +37,9 @@ class EveryEstimator : public testing::TestWithParam<std::string> {
       ASSERT_EQ(camera.covariance.llt().info(), Eigen::Success) << "frame " << frame.index;
       EXPECT_EQ(camera.timestamp, frame.timestamp);
     }
+    for (const CameraEstimate& camera : estimator.smoothed(stages_)) {  // a batch solves here
+      ASSERT_TRUE(camera.state.position.allFinite());
+    }
     for (const LandmarkEstimate& l : estimator.landmarks()) {
       EXPECT_GE(l.observations, l.from_first_frame ? 0 : 1);
       const bool has_velocity = !std::isnan(l.velocity_covariance(0, 0));
