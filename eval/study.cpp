@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -25,7 +26,7 @@ struct SweptKey {
   std::vector<std::string> values;
 };
 
-const std::set<std::string> kFigures = {
+constexpr std::string_view kFigures[] = {
     "camera_error", "landmark_error", "classification", "classification_against_sweep",
     "velocity",     "trade_off",      "anees",          "anees_by_age"};
 
@@ -145,7 +146,7 @@ class Reader {
   void read_figures(YamlMap& top, Study& study) const {
     if (!top.has("figures")) return;
     for (const auto& figure : top.take("figures")) {
-      if (kFigures.count(scalar(figure, "figures")) == 0) {
+      if (std::ranges::find(kFigures, scalar(figure, "figures")) == std::end(kFigures)) {
         refuse(figure, fmt::format("unknown figure '{}' (known: {})", figure.Scalar(),
                                    fmt::join(kFigures, ", ")));
       }

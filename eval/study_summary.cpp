@@ -74,7 +74,7 @@ Nees anees(const ByFrame& frames, int dof) {
 // The runs of one cell, taken one by one.
 class Cell {
  public:
-  Cell(const StudyCell& cell, const Study& study) : cell_(cell), study_(study) {}
+  explicit Cell(const StudyCell& cell) : cell_(cell) {}
 
   void add(const Json& run);
   void add_timing(const Json& timing);
@@ -100,7 +100,6 @@ class Cell {
   };
 
   const StudyCell& cell_;
-  const Study& study_;
   int runs_ = 0;
   Json diverged_ = Json::array(), lost_ = Json::array();
   std::map<std::string, Samples> scalars_;
@@ -384,7 +383,7 @@ void add_bound(Json& group) {
 Json summarise_study(const Study& study, const std::filesystem::path& folder) {
   std::vector<Cell> cells;
   cells.reserve(study.cells.size());
-  for (const StudyCell& cell : study.cells) cells.emplace_back(cell, study);
+  for (const StudyCell& cell : study.cells) cells.emplace_back(cell);
   for_each_line(folder / "results.jsonl",
                 [&](const Json& run) { cells.at(run.at("cell").get<std::size_t>()).add(run); });
   for_each_line(folder / "timing.jsonl", [&](const Json& timing) {

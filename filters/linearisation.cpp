@@ -101,7 +101,7 @@ NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
     if (h) pixel = h->pixel;
   }
   const auto born = initialise(camera, at.orientation, pixel, here.y.z());
-  const NewLandmark result = born ? *born : here;
+  NewLandmark result = born ? *born : here;
   x.head<3>() = result.y;
   landmarks_[z.track] = truth ? *truth : x;
   return result;
