@@ -84,8 +84,7 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
     if (state_.landmarks.contains(z.track)) matches.push_back({z.track, z.pixel});
   }
   const Innovation all = innovation(state_, linearisation_, setup_.camera, matches);
-  const Gate gated =
-      gate(state_, all, setup_.pixel_sigma * setup_.pixel_sigma, models_.gate_probability);
+  const Gate gated = gate(state_, all, PixelGate(models_.gate_probability, setup_.pixel_sigma));
   report.accepted = static_cast<int>(gated.accepted.matches.size());
   report.rejected = static_cast<int>(gated.rejected.size());
   std::set<int> out_of_view;

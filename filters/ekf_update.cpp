@@ -1,7 +1,6 @@
 #include "slammot/filters/ekf_update.h"
 
 #include <Eigen/Cholesky>
-#include <cmath>
 
 namespace slammot {
 
@@ -81,22 +80,18 @@ Eigen::MatrixXd innovation_covariance(const JointState& state, const Innovation&
 
 }  // namespace
 
-Gate gate(const JointState& state, const Innovation& innovation, double pixel_variance,
-          double probability) {
-  const double threshold = -2.0 * std::log1p(-probability);  // chi-square quantile, 2 dof
-  const Eigen::MatrixXd S = innovation_covariance(state, innovation, pixel_variance);
+Gate gate(const JointState& state, const Innovation& innovation, const PixelGate& test) {
+  const Eigen::MatrixXd HPHt = apply_H(state, innovation, innovation.P_Ht);
   Gate result;
   std::vector<int> rows;
   for (int i = 0; i < innovation.rows() / 2; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const Eigen::Vector2d nu = innovation.nu.segment<2>(2 * i);
-    const Eigen::Matrix2d S_i = S.block<2, 2>(2 * i, 2 * i);
-    const double nis = nu.dot(S_i.inverse() * nu);
-    if (!(nis <= threshold)) {
+    const auto nis = test.pass(innovation.nu.segment<2>(2 * i), HPHt.block<2, 2>(2 * i, 2 * i));
+    if (!nis) {
       result.rejected.push_back(innovation.matches[k].track);
       continue;
     }
-    result.nis_sum += nis;
+    result.nis_sum += *nis;
     result.accepted.matches.push_back(innovation.matches[k]);
     result.accepted.predicted.push_back(innovation.predicted[k]);
     rows.insert(rows.end(), {2 * i, 2 * i + 1});

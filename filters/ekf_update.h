@@ -3,6 +3,7 @@
 #pragma once
 
 #include "slammot/filters/linearisation.h"
+#include "slammot/models/gate.h"
 #include "slammot/models/observation.h"
 
 namespace slammot {
@@ -38,9 +39,8 @@ struct Gate {
   double nis_sum = 0.0;       // over the accepted
 };
 
-// Each match on its own: nu_i' S_i^-1 nu_i <= chi-square quantile of 2 degrees of freedom.
-Gate gate(const JointState& state, const Innovation& innovation, double pixel_variance,
-          double probability);
+// Each match on its own.
+Gate gate(const JointState& state, const Innovation& innovation, const PixelGate& test);
 
 // x and P after the measurements. `iterations` Gauss-Newton steps on the same prior (1: EKF).
 // Throws Diverged when S is not positive definite or the correction not finite.

@@ -80,13 +80,17 @@ class Window : public Estimator {
 
   // window.cpp: the frame.
   void predict(const Frame& frame);
+  std::vector<Observation> gate(const Frame& frame, FrameReport& report);
+  void add_measurements(const std::vector<Observation>& accepted);
+  CameraState state(const WindowFrame& frame) const;
+
+  // window_marginalise.cpp: what leaves.
   void marginalise_oldest();
   // What leaves with the oldest frame, and what then rests in the far map.
   std::set<VariableId> rest(const WindowFrame& oldest, std::set<VariableId>& leaving);
   void bring_back_measured(const Frame& frame);
-  std::vector<Observation> gate(const Frame& frame, FrameReport& report);
-  void add_measurements(const std::vector<Observation>& accepted);
-  CameraState state(const WindowFrame& frame) const;
+
+  // window_estimates.cpp: what is believed.
   void estimate_camera(const NormalEquations& equations, const Step& last);
   std::vector<LandmarkEstimate> estimate(const std::vector<int>& tracks) const;
 

@@ -106,7 +106,8 @@ TEST(Gate, TakesEachMeasurementOnItsOwn) {
   JointState state = scene(1);
   auto matches = pixels_of(state, 2);
   matches[2].pixel += Eigen::Vector2d(300.0, 0.0);
-  const Gate result = gate(state, innovation(state, kStandard, pinhole(), matches), 1.0, 0.99);
+  const Gate result =
+      gate(state, innovation(state, kStandard, pinhole(), matches), PixelGate(0.99, 1.0));
   EXPECT_EQ(result.rejected, std::vector<int>{2});
   EXPECT_EQ(result.accepted.matches.size(), 3u);
 }
