@@ -1,5 +1,5 @@
-// Percentile bootstrap over runs (Efron & Tibshirani 1993): the runs are independent, the frames of
-// one run are not, so runs are what is drawn again.
+// Percentile bootstrap over runs (Efron & Tibshirani 1993): the runs are independent, the frames
+// and the landmarks of one run are not, so runs are what is drawn again.
 #pragma once
 
 #include <functional>
@@ -18,5 +18,15 @@ using Statistic = std::function<double(const std::vector<double>&)>;
 
 // 2000 drawings from a fixed seed: the same samples give the same interval.
 Estimate bootstrap(const std::vector<double>& samples, const Statistic& statistic);
+
+// What one run adds to a mean over the samples of all runs.
+struct RunSum {
+  double sum = 0.0;
+  double count = 0.0;
+};
+
+// Sum over count, of runs that weigh as many samples as they have. A drawing without any sample is
+// left out; undefined when no run has one.
+Estimate bootstrap_mean(const std::vector<RunSum>& runs);
 
 }  // namespace slammot

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "slammot/eval/bootstrap.h"
 #include "slammot/eval/metrics.h"
 #include "slammot/eval/run.h"
 #include "slammot/eval/statistics.h"
@@ -83,6 +84,13 @@ Json frames_json(const std::vector<PosePair>& pairs) {
   return json;
 }
 
+// A window does not keep those of the cameras that left it.
+bool has_covariances(const std::vector<PosePair>& pairs) {
+  return !pairs.empty() && std::all_of(pairs.begin(), pairs.end(), [](const PosePair& p) {
+    return p.estimate.covariance.allFinite();
+  });
+}
+
 // Four digits: a box plot needs no more, and a run has thousands.
 double rounded(double x) {
   if (!std::isfinite(x) || x == 0.0) return x;
@@ -90,18 +98,47 @@ double rounded(double x) {
   return std::round(x * scale) / scale;
 }
 
-// Errors and NEES of the landmarks at the recorded ages. Known ones were given, not estimated.
-Json landmarks_json(const Sequence& sequence, const RunResult& run) {
+// Without the landmarks known beforehand, which were given, not estimated.
+std::vector<LandmarkSample> estimated_samples(const Sequence& sequence, const RunResult& run) {
   std::set<int> known;
   for (const KnownLandmark& k : sequence.known) known.insert(k.track);
+  std::vector<LandmarkSample> samples;
+  for (const LandmarkSample& s : run.samples) {
+    if (!known.contains(s.track)) samples.push_back(s);
+  }
+  return samples;
+}
+
+// Mean and count of the NEES of the landmarks measured in each of `frames`.
+void add_landmark_nees(const std::vector<LandmarkSample>& samples, const char* part,
+                       double LandmarkSample::*nees_of, Json& frames) {
+  std::map<int, RunSum> sums;
+  for (const LandmarkSample& s : samples) {
+    if (std::isnan(s.*nees_of)) continue;
+    RunSum& r = sums[s.frame];
+    r = {r.sum + s.*nees_of, r.count + 1};
+  }
+  std::vector<double> means;
+  std::vector<int> counts;
+  for (const Json& frame : frames.at("frame")) {
+    const RunSum r = sums[frame.get<int>()];
+    means.push_back(r.count > 0.0 ? r.sum / r.count : kUndefined);
+    counts.push_back(static_cast<int>(r.count));
+  }
+  frames[std::string("nees_landmark_") + part] = means;
+  frames[std::string("landmark_") + part + "_count"] = counts;
+}
+
+// Errors and NEES of the landmarks at the recorded ages.
+Json landmarks_json(const std::vector<LandmarkSample>& samples) {
   struct Age {
     std::vector<double> statics, movings, velocities, position_nees, velocity_nees;
   };
   std::map<int, Age> ages;
-  for (const LandmarkSample& s : run.samples) {
+  for (const LandmarkSample& s : samples) {
     const bool recorded = std::find(std::begin(kRecordedAges), std::end(kRecordedAges),
                                     s.observations) != std::end(kRecordedAges);
-    if (!recorded || known.count(s.track) > 0) continue;
+    if (!recorded) continue;
     Age& age = ages[s.observations];
     const bool moves = s.truth == Label::kMoving;
     if (std::isfinite(s.position_error)) {
@@ -109,8 +146,8 @@ Json landmarks_json(const Sequence& sequence, const RunResult& run) {
     }
     if (moves && std::isfinite(s.velocity_error))
       age.velocities.push_back(rounded(s.velocity_error));
-    if (std::isfinite(s.position_nees)) age.position_nees.push_back(s.position_nees);
-    if (std::isfinite(s.velocity_nees)) age.velocity_nees.push_back(s.velocity_nees);
+    if (!std::isnan(s.position_nees)) age.position_nees.push_back(s.position_nees);
+    if (!std::isnan(s.velocity_nees)) age.velocity_nees.push_back(s.velocity_nees);
   }
   Json json = Json::array();
   for (const auto& [observations, age] : ages) {
@@ -176,11 +213,13 @@ Json result_json(const Study& study, const Sequence& sequence, const RunResult& 
       {"rejected", c.rejected},  {"out_of_view", c.out_of_view}, {"admitted", c.admitted},
       {"lost", c.lost}};
   json["state_size_max"] = metrics.runtime.state_size_max;
+  const std::vector<LandmarkSample> samples = estimated_samples(sequence, run);
   json["frames"] = frames_json(pairs);
-  if (!run.smoothed.empty()) {
-    json["smoothed_frames"] = frames_json(pair_with_truth(sequence, run.smoothed));
-  }
-  json["landmarks"] = landmarks_json(sequence, run);
+  add_landmark_nees(samples, "position", &LandmarkSample::position_nees, json["frames"]);
+  add_landmark_nees(samples, "velocity", &LandmarkSample::velocity_nees, json["frames"]);
+  const std::vector<PosePair> smoothed = pair_with_truth(sequence, run.smoothed);
+  if (has_covariances(smoothed)) json["smoothed_frames"] = frames_json(smoothed);
+  json["landmarks"] = landmarks_json(samples);
   json["tracks"] = tracks_json(study, sequence, run);
   return json;
 }

@@ -11,7 +11,8 @@
 
 namespace slammot {
 
-// Reads results.jsonl and timing.jsonl of the folder. One cell is in memory at a time.
+// Reads results.jsonl and timing.jsonl of the folder, both sorted by cell: the samples of one cell
+// are in memory at a time.
 nlohmann::ordered_json summarise_study(const Study& study, const std::filesystem::path& folder);
 
 }  // namespace slammot

@@ -75,6 +75,7 @@ class Summary : public testing::Test {
       frames["nees_position"].push_back(position / (s * s));
       frames["nees_rotation"].push_back(rotation / (s * s));
       frames["position_sigma_m"].push_back(std::sqrt(3.0) * s);
+      add_landmarks(engine, frames);
     }
     Json json = {{"cell", cell}, {"seed", run + 1}, {"diverged", nullptr}, {"lost_at", nullptr}};
     if (cell == 1 && run == 6) json["diverged"] = {{"frame", 100}, {"reason", "not a number"}};
@@ -101,6 +102,24 @@ class Summary : public testing::Test {
     return json;
   }
 
+  // Twenty landmarks whose errors have half their variance in common: their mean NEES is 3, and
+  // scatters from run to run far more than that of sixty independent numbers. None has a velocity.
+  static void add_landmarks(std::mt19937_64& engine, Json& frames) {
+    constexpr int kLandmarks = 20;
+    std::normal_distribution<double> normal;
+    double nees = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double common = normal(engine);
+      for (int i = 0; i < kLandmarks; ++i) {
+        nees += std::pow(std::sqrt(0.5) * (common + normal(engine)), 2) / kLandmarks;
+      }
+    }
+    frames["nees_landmark_position"].push_back(nees);
+    frames["landmark_position_count"].push_back(kLandmarks);
+    frames["nees_landmark_velocity"].push_back(nullptr);
+    frames["landmark_velocity_count"].push_back(0);
+  }
+
   Study study_;
   std::filesystem::path folder_;
 };
@@ -120,6 +139,23 @@ TEST_F(Summary, SaysWhatTheRunsSay) {
   EXPECT_EQ(age["static_position_m"]["median"].get<double>(), 0.2);
   EXPECT_EQ(age["nees_position"]["mean"].get<double>(), 2.5);
   EXPECT_TRUE(age["nees_velocity"].is_null());
+}
+
+TEST_F(Summary, AnIntervalOfLandmarksCountsRunsNotLandmarks) {
+  const Json cell = summarise_study(study_, folder_)["groups"].at(0)["cells"][0];
+  const Json& anees = cell["anees"]["landmark_position"];
+  EXPECT_NEAR(anees["mean"].get<double>(), 3.0, 0.1);
+  EXPECT_GE(anees["inside"].get<double>(), 0.85);  // were all landmarks independent: about a half
+  EXPECT_LE(anees["inside"].get<double>(), 0.99);
+  EXPECT_FALSE(std::isfinite(cell["anees"]["landmark_velocity"]["mean"].get<double>()));
+  EXPECT_EQ(cell["per_frame"]["anees_landmark_position_lower"].size(), std::size_t{kFrames});
+}
+
+TEST_F(Summary, EachPartHasTheIntervalOfItsDegreesOfFreedom) {
+  const Json f = summarise_study(study_, folder_)["groups"].at(0)["cells"][0]["per_frame"];
+  EXPECT_NEAR(f["anees_pose_upper"][0].get<double>(), 7.0, 0.1);       // chi2inv(.975, 300) / 50
+  EXPECT_NEAR(f["anees_position_upper"][0].get<double>(), 3.72, 0.1);  // chi2inv(.975, 150) / 50
+  EXPECT_EQ(f["anees_rotation_upper"][0], f["anees_position_upper"][0]);
 }
 
 TEST_F(Summary, ADivergedRunIsNamedAndLoses) {
