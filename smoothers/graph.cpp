@@ -65,49 +65,60 @@ void Graph::remove_variables(const std::set<VariableId>& ids) {
 
 void Graph::forget_first_estimate(VariableId id) { variables_.at(id).first.reset(); }
 
-void Graph::linearise() {
-  for (auto& [id, factor] : factors_) linearise(factor);
+double Graph::linearise() {
+  double sum = prior_square(prior_difference());
+  for (auto& [id, factor] : factors_) sum += linearise(factor);
+  return 0.5 * sum;
 }
 
-void Graph::linearise(Factor& factor) const {
+double Graph::linearise(Factor& factor) const {
   const std::size_t n = factor.variables.size();
   const int rows = factor.cost->num_residuals();
-  std::vector<const SmallVector*> here, there;
-  std::vector<RowMajorMatrix> ambient(n);
+  std::vector<const Variable*> variables(n);
+  std::vector<const double*> here(n), there(n);
   std::vector<double*> jacobians(n);
+  std::vector<RowMajorMatrix> ambient(n);
+  bool at_first = false;
   for (std::size_t i = 0; i < n; ++i) {
-    const Variable& v = variables_.at(factor.variables[i]);
-    here.push_back(&v.value);
-    there.push_back(v.first ? &*v.first : &v.value);
+    const Variable& v = *(variables[i] = &variables_.at(factor.variables[i]));
+    here[i] = v.value.data();
+    there[i] = v.first ? v.first->data() : here[i];
+    at_first = at_first || v.first;
     ambient[i].resize(rows, v.value.size());
     jacobians[i] = ambient[i].data();
   }
   factor.r.resize(rows);
-  SmallVector unused(rows);
-  bool valid = factor.cost->Evaluate(pointers(there).data(), unused.data(), jacobians.data());
-  valid = factor.cost->Evaluate(pointers(here).data(), factor.r.data(), nullptr) && valid;
-  factor.valid = valid;
+  factor.valid = factor.cost->Evaluate(there.data(), factor.r.data(), jacobians.data());
+  if (at_first) {
+    factor.valid =
+        factor.cost->Evaluate(here.data(), factor.r.data(), nullptr) && factor.valid;
+  }
   factor.J.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const Variable& v = variables_.at(factor.variables[i]);
-    if (!valid) {
+    const Variable& v = *variables[i];
+    if (!factor.valid) {
       factor.J[i].setZero(rows, v.dim());
     } else if (v.manifold) {
       RowMajorMatrix P(v.value.size(), v.dim());
-      v.manifold->PlusJacobian(there[i]->data(), P.data());
-      factor.J[i] = ambient[i] * P;
+      v.manifold->PlusJacobian(there[i], P.data());
+      factor.J[i].noalias() = ambient[i].lazyProduct(P);
     } else {
       factor.J[i] = ambient[i];
     }
   }
-  if (!valid) factor.r.setZero();
-  if (valid && factor.loss) {  // iteratively reweighted: the loss's slope scales the residual
-    double rho[3];
-    factor.loss->Evaluate(factor.r.squaredNorm(), rho);
-    const double weight = std::sqrt(rho[1]);
-    factor.r *= weight;
-    for (SmallMatrix& J : factor.J) J *= weight;
-  }
+  if (!factor.valid) factor.r.setZero();
+  const double square = factor.r.squaredNorm();
+  if (!factor.valid || !factor.loss) return square;
+  double rho[3];  // iteratively reweighted: the loss's slope scales the residual
+  factor.loss->Evaluate(square, rho);
+  const double weight = std::sqrt(rho[1]);
+  factor.r *= weight;
+  for (SmallMatrix& J : factor.J) J *= weight;
+  return rho[0];
+}
+
+double Graph::prior_square(const Eigen::VectorXd& difference) const {
+  return prior_.cols() == 0 ? 0.0 : (prior_.R * difference + prior_.r).squaredNorm();
 }
 
 double Graph::cost(const Step& step) const {
@@ -134,14 +145,13 @@ double Graph::cost(const Step& step) const {
     if (factor.loss) factor.loss->Evaluate(r.squaredNorm(), rho);
     sum += rho[0];
   }
-  if (prior_.cols() == 0) return 0.5 * sum;
   Eigen::VectorXd d(prior_.cols());
   for (std::size_t i = 0; i < prior_.variables.size(); ++i) {
     const Variable& v = variables_.at(prior_.variables[i]);
     d.segment(prior_.offsets[i], v.dim()) =
         minus(v.manifold, *at(prior_.variables[i]), prior_.x0[i]);
   }
-  return 0.5 * (sum + (prior_.R * d + prior_.r).squaredNorm());
+  return 0.5 * (sum + prior_square(d));
 }
 
 SmallMatrix Graph::transport(const Variable& v, const SmallVector& x0) const {

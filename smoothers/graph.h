@@ -71,8 +71,8 @@ class Graph {
                       const ceres::LossFunction* loss = nullptr);
   void remove_factor(FactorId id) { factors_.erase(id); }
 
-  // Linearises all factors anew at the current estimate.
-  void linearise();
+  // Linearises all factors anew at the current estimate, and returns cost({}) there.
+  double linearise();
 
   // Half the sum of squares (with losses) at x [+] step, prior included. A factor that is not valid
   // at x does not count: were its being so a cost, any step that ends it would be taken, however
@@ -129,7 +129,9 @@ class Graph {
   SmallMatrix transport(const Variable& v, const SmallVector& x0) const;
 
  private:
-  void linearise(Factor& factor) const;
+  // Returns the factor's square, with its loss; 0 when it is not valid.
+  double linearise(Factor& factor) const;
+  double prior_square(const Eigen::VectorXd& difference) const;
 
   bool first_estimates_;
   std::map<VariableId, Variable> variables_;

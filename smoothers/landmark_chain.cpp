@@ -64,16 +64,21 @@ ChainPixelCost::ChainPixelCost(const Camera& camera, const Eigen::Vector2d& pixe
   for (int i = 0; i < depth; ++i) mutable_parameter_block_sizes()->push_back(6);
 }
 
+// The Jacobians are carried back along the chain, from the pixel to the base: two rows through each
+// step, where carrying the state's Jacobian forward would take six for each noise before.
 bool ChainPixelCost::Evaluate(double const* const* x, double* residuals, double** jacobians) const {
   using Block = Eigen::Map<const Eigen::Vector3d>;
-  Vector6d base;
-  base << Block(x[3]), Block(x[4]);
-  std::vector<Vector6d> noises;
-  for (int i = 0; i < depth_; ++i) noises.emplace_back(Eigen::Map<const Vector6d>(x[5 + i]));
-  const ChainState state = propagate(*chain_, base, noises);
+  const auto depth = static_cast<std::size_t>(depth_);
+  std::vector<Vector6d> states(depth + 1);
+  states[0] << Block(x[3]), Block(x[4]);
+  for (std::size_t i = 0; i < depth; ++i) {
+    const ChainStep& step = chain_->steps[i];
+    states[i + 1] = chain_->landmark->predict(states[i], step.dt) +
+                    step.G * Eigen::Map<const Vector6d>(x[5 + i]);
+  }
   const CameraState c = camera_from_blocks(x[0], x[1]);
-  const auto h =
-      observe(camera_, c.position, c.orientation, Block(x[2]), Eigen::Vector3d(state.x.head<3>()));
+  const auto h = observe(camera_, c.position, c.orientation, Block(x[2]),
+                         Eigen::Vector3d(states.back().head<3>()));
   if (!h) return false;
   Eigen::Map<Eigen::Vector2d>(residuals, 2) = (h->pixel - pixel_) / sigma_;
   if (!jacobians) return true;
@@ -82,10 +87,15 @@ bool ChainPixelCost::Evaluate(double const* const* x, double* residuals, double*
   write<2, 3>(jacobians, 0, h->J_pose.leftCols<3>() / sigma_);
   write_motion<2>(jacobians, 1, x[1], J_motion);
   write<2, 3>(jacobians, 2, h->J_anchor / sigma_);
-  const Eigen::Matrix<double, 2, Eigen::Dynamic> J = h->J_y / sigma_ * state.J.topRows<3>();
+  Eigen::Matrix<double, 2, 6> J = Eigen::Matrix<double, 2, 6>::Zero();
+  J.leftCols<3>() = h->J_y / sigma_;
+  for (std::size_t i = depth; i-- > 0;) {
+    const ChainStep& step = chain_->steps[i];
+    write<2, 6>(jacobians, static_cast<int>(5 + i), J * step.G);
+    J = (J * chain_->landmark->predict_jacobian(states[i], step.dt)).eval();
+  }
   write<2, 3>(jacobians, 3, J.leftCols<3>());
-  write<2, 3>(jacobians, 4, J.middleCols<3>(3));
-  for (int i = 0; i < depth_; ++i) write<2, 6>(jacobians, 5 + i, J.middleCols<6>(6 * (i + 1)));
+  write<2, 3>(jacobians, 4, J.rightCols<3>());
   return true;
 }
 

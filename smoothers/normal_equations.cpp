@@ -1,7 +1,6 @@
 #include "slammot/smoothers/normal_equations.h"
 
-#include <set>
-#include <string>
+#include <algorithm>
 
 #include "slammot/models/estimator.h"
 
@@ -65,56 +64,78 @@ void NormalEquations::add_prior(const Graph& graph) {
 
 void NormalEquations::add_factors(const Graph& graph) {
   // First which core columns each group is tied to, then the sums.
-  std::vector<std::set<VariableId>> ties(groups_.size());
-  const auto group_of = [&](const Factor& factor) {
-    for (const VariableId v : factor.variables) {
-      if (places_.at(v).group >= 0) return places_.at(v).group;
-    }
-    return -1;
-  };
+  std::vector<std::vector<const Place*>> places;  // by factor and variable
+  std::vector<std::map<int, int>> ties(groups_.size());  // by offset in the core: columns
+  places.reserve(graph.factors().size());
   for (const auto& [id, factor] : graph.factors()) {
-    const int group = group_of(factor);
-    if (group < 0) continue;
+    auto& of_factor = places.emplace_back();
+    int group = -1;
     for (const VariableId v : factor.variables) {
-      if (places_.at(v).group < 0) ties[static_cast<std::size_t>(group)].insert(v);
+      of_factor.push_back(&places_.at(v));
+      group = std::max(group, of_factor.back()->group);
+    }
+    if (group < 0) continue;
+    for (const Place* p : of_factor) {
+      if (p->group < 0) ties[static_cast<std::size_t>(group)][p->offset] = p->dim;
     }
   }
-  std::vector<std::map<VariableId, int>> column(groups_.size());
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     Group& group = groups_[k];
-    for (const VariableId v : ties[k]) {
-      const Place& place = places_.at(v);
-      column[k][v] = static_cast<int>(group.core_columns.size());
-      for (int i = 0; i < place.dim; ++i) group.core_columns.push_back(place.offset + i);
+    for (auto& [offset, column] : ties[k]) {
+      const int dim = column;
+      column = static_cast<int>(group.core_columns.size());
+      for (int i = 0; i < dim; ++i) group.core_columns.push_back(offset + i);
     }
     group.V.setZero(group.dim, group.dim);
     group.W.setZero(group.dim, static_cast<Eigen::Index>(group.core_columns.size()));
     group.g.setZero(group.dim);
   }
-  for (const auto& [id, factor] : graph.factors()) {
-    for (std::size_t i = 0; i < factor.variables.size(); ++i) {
-      const Place& a = places_.at(factor.variables[i]);
-      const SmallVector Jtr = factor.J[i].transpose() * factor.r;
-      Group* group = a.group < 0 ? nullptr : &groups_[static_cast<std::size_t>(a.group)];
-      (group ? group->g : g_).segment(a.offset, a.dim) += Jtr;
-      for (std::size_t j = 0; j < factor.variables.size(); ++j) {
-        const Place& b = places_.at(factor.variables[j]);
-        const SmallMatrix JtJ = factor.J[i].transpose() * factor.J[j];
-        if (group && b.group >= 0) {
-          group->V.block(a.offset, b.offset, a.dim, b.dim) += JtJ;
-        } else if (group) {
-          const int at = column[static_cast<std::size_t>(a.group)].at(factor.variables[j]);
-          group->W.block(a.offset, at, a.dim, b.dim) += JtJ;
-        } else if (b.group < 0) {
-          U_.block(a.offset, b.offset, a.dim, b.dim) += JtJ;
-        }
-      }
+  auto of_factor = places.begin();
+  for (const auto& [id, factor] : graph.factors()) add_factor(factor, *of_factor++, ties);
+}
+
+// The columns of a factor that belong to a group stand together, from the first to the last that it
+// touches, as J_group; then H gets J_group'J_group, J_group'J_core and J_core'J_core.
+void NormalEquations::add_factor(const Factor& factor, const std::vector<const Place*>& places,
+                                 const std::vector<std::map<int, int>>& ties) {
+  int group_index = -1, first = 0, end = 0;
+  for (const Place* p : places) {
+    if (p->group < 0) continue;
+    first = group_index < 0 ? p->offset : std::min(first, p->offset);
+    end = std::max(end, p->offset + p->dim);
+    group_index = p->group;
+  }
+  J_group_.setZero(factor.r.size(), end - first);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Place& p = *places[i];
+    if (p.group >= 0) J_group_.middleCols(p.offset - first, p.dim) = factor.J[i];
+  }
+  if (group_index >= 0) {
+    Group& group = groups_[static_cast<std::size_t>(group_index)];
+    group.V.block(first, first, end - first, end - first) +=
+        J_group_.transpose().lazyProduct(J_group_);
+    group.g.segment(first, end - first) += J_group_.transpose().lazyProduct(factor.r);
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Place& a = *places[i];
+    if (a.group >= 0) continue;
+    g_.segment(a.offset, a.dim) += factor.J[i].transpose().lazyProduct(factor.r);
+    if (group_index >= 0) {
+      const auto k = static_cast<std::size_t>(group_index);
+      groups_[k].W.block(first, ties[k].at(a.offset), end - first, a.dim) +=
+          J_group_.transpose().lazyProduct(factor.J[i]);
+    }
+    for (std::size_t j = 0; j < places.size(); ++j) {
+      const Place& b = *places[j];
+      if (b.group >= 0 || b.offset > a.offset) continue;  // U's lower triangle
+      U_.block(a.offset, b.offset, a.dim, b.dim) += factor.J[i].transpose().lazyProduct(factor.J[j]);
     }
   }
 }
 
 void NormalEquations::eliminate_groups(double damping) {
   reduced_g_ = g_;
+  Eigen::MatrixXd WVW;
   for (Group& group : groups_) {
     group.V.diagonal() *= 1.0 + damping;
     group.llt.compute(group.V);
@@ -123,15 +144,14 @@ void NormalEquations::eliminate_groups(double damping) {
     }
     group.LW = group.llt.matrixL().solve(group.W);
     const Eigen::VectorXd Lg = group.llt.matrixL().solve(group.g);
-    const Eigen::MatrixXd WVW = group.LW.transpose() * group.LW;
-    const Eigen::VectorXd WVg = group.LW.transpose() * Lg;
-    const std::vector<int>& columns = group.core_columns;
-    for (std::size_t j = 0; j < columns.size(); ++j) {
-      const auto k = static_cast<Eigen::Index>(j);
-      reduced_g_(columns[j]) -= WVg(k);
-      for (std::size_t i = 0; i < columns.size(); ++i) {
-        U_(columns[i], columns[j]) -= WVW(static_cast<Eigen::Index>(i), k);
-      }
+    const std::vector<int>& columns = group.core_columns;  // ascending
+    const auto n = static_cast<Eigen::Index>(columns.size());
+    WVW.setZero(n, n);
+    WVW.selfadjointView<Eigen::Lower>().rankUpdate(group.LW.transpose());
+    reduced_g_(columns) -= group.LW.transpose() * Lg;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      double* column = &U_(0, columns[static_cast<std::size_t>(j)]);
+      for (Eigen::Index i = j; i < n; ++i) column[columns[static_cast<std::size_t>(i)]] -= WVW(i, j);
     }
   }
 }

@@ -47,7 +47,7 @@ class NormalEquations {
   struct Group {
     std::vector<VariableId> variables;
     int dim = 0;
-    std::vector<int> core_columns;  // the columns of the core that W has
+    std::vector<int> core_columns;  // the columns of the core that W has, ascending
     Eigen::MatrixXd V, W;           // W: dim x core_columns
     Eigen::VectorXd g;
     Eigen::LLT<Eigen::MatrixXd> llt;
@@ -62,12 +62,16 @@ class NormalEquations {
   void place_variables(const Graph& graph);
   void add_prior(const Graph& graph);
   void add_factors(const Graph& graph);
+  // `ties`: of each group, the column of W for an offset in the core.
+  void add_factor(const Factor& factor, const std::vector<const Place*>& places,
+                  const std::vector<std::map<int, int>>& ties);
   void eliminate_groups(double damping);
 
   std::map<VariableId, Place> places_;
   std::vector<Group> groups_;
   int core_dim_ = 0;
-  Eigen::MatrixXd U_;  // lower triangle; S after the groups are gone
+  Eigen::MatrixXd U_;        // lower triangle; S after the groups are gone
+  Eigen::MatrixXd J_group_;  // of the factor that is being added
   Eigen::VectorXd g_;
   Eigen::VectorXd reduced_g_;
   Eigen::LLT<Eigen::MatrixXd> core_;

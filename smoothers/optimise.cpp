@@ -21,7 +21,7 @@ Step no_step(const Graph& graph) {
 OptimiseResult optimise(Graph& graph, int iterations, double negligible) {
   double damping = 0.0;
   for (int i = 1;; ++i) {
-    graph.linearise();
+    const double before = graph.linearise();
     OptimiseResult result{NormalEquations(graph), {}};
     result.last_step = result.equations.step();
     const bool last = i >= iterations || -result.equations.slope(result.last_step) < negligible;
@@ -29,7 +29,6 @@ OptimiseResult optimise(Graph& graph, int iterations, double negligible) {
       graph.move(result.last_step);
       return result;
     }
-    const double before = graph.cost({});
     Step step = damping == 0.0 ? result.last_step : NormalEquations(graph, damping).step();
     bool lower = graph.cost(step) <= before;
     for (int k = 0; !lower && !last && k < kTries; ++k) {
