@@ -11,7 +11,8 @@ import figures
 import tables
 import verdict
 from comparison import BadInput, read_comparison
-from page import embedded_json, packed, plotly_source, template, text_of
+from page import rendered
+
 
 def page(comparison):
     charts = {name: figure for name, figure in (
@@ -19,11 +20,8 @@ def page(comparison):
         ("position_error", figures.position_error(comparison)),
         ("nees", figures.nees(comparison)),
         ("runtime", figures.runtime(comparison))) if figure}
-    return template("compare.html").render(
-        comparison=comparison, charts=charts, charts_json=embedded_json(charts),
-        findings=verdict.findings(comparison), verdict=verdict, tables=tables, plotly=packed(plotly_source()),
-        style=text_of("page.css"),
-        script=text_of("page.js"))
+    return rendered("compare.html", "page.js", charts, charts=charts, comparison=comparison,
+                    findings=verdict.findings(comparison), verdict=verdict, tables=tables)
 
 
 def main(arguments):

@@ -45,3 +45,11 @@ def template(name):
         loader=jinja2.FileSystemLoader(HERE), autoescape=True, undefined=jinja2.StrictUndefined,
         trim_blocks=True, lstrip_blocks=True)
     return environment.get_template(name)
+
+
+def rendered(name, script, data, **content):
+    """The page of a template that extends base.html. The script draws the data; None carries neither."""
+    drawn = data is not None
+    return template(name).render(
+        style=text_of("page.css"), script=text_of(script), data_json=embedded_json(data) if drawn else None,
+        plotly=packed(plotly_source()) if drawn else None, **content)

@@ -11,7 +11,7 @@ import sys
 import study_figures
 import study_tables
 from comparison import BadInput
-from page import embedded_json, packed, plotly_source, template, text_of
+from page import rendered
 
 FORMAT = "slammot-summary-1"
 
@@ -45,12 +45,10 @@ def write_report(output):
     view = read_json(output / "view.json", required=False)
     write_tables(summary, output / "tables")
     figures = study_figures.draw_all(summary, output / "figures")
-    page = template("study.html").render(
+    page = rendered(
+        "study.html", "view.js", view if view and view["runs"] else None,
         summary=summary, tables=study_tables.all_tables(summary),
-        figures=[(f.title, f.caption, inline(f.png)) for f in figures],
-        view_json=embedded_json(view) if view and view["runs"] else None,
-        plotly=packed(plotly_source()) if view and view["runs"] else None,
-        style=text_of("page.css"), script=text_of("view.js"))
+        figures=[(f.title, f.caption, inline(f.png)) for f in figures])
     (output / "report.html").write_text(page, encoding="utf-8")
 
 
