@@ -4,17 +4,17 @@
 The page needs nothing but itself: Plotly is carried inside. Silent on success; exit 2 and one line on
 stderr for bad input, a missing package or a page that cannot be written.
 """
-import pathlib
 import sys
 
 import figures
 import tables
 import verdict
-from comparison import BadInput, read_comparison
-from page import rendered
+from comparison import read_comparison
+from page import rendered, run_report
 
 
-def page(comparison):
+def page(output):
+    comparison = read_comparison(output)
     charts = {name: figure for name, figure in (
         ("trajectory", figures.trajectory(comparison)),
         ("position_error", figures.position_error(comparison)),
@@ -24,18 +24,5 @@ def page(comparison):
                     findings=verdict.findings(comparison), verdict=verdict, tables=tables)
 
 
-def main(arguments):
-    if len(arguments) != 1:
-        print("usage: compare_report.py OUTPUT", file=sys.stderr)
-        return 2
-    output = pathlib.Path(arguments[0])
-    try:
-        (output / "report.html").write_text(page(read_comparison(output)), encoding="utf-8")
-    except (BadInput, OSError) as error:
-        print(f"compare_report: {error}", file=sys.stderr)
-        return 2
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(run_report("compare_report", page))

@@ -5,7 +5,6 @@ null in compare.json means "not defined" and becomes None; a file that is missin
 import csv
 import json
 import math
-import pathlib
 from dataclasses import dataclass, field
 
 FORMAT = "slammot-compare-1"
@@ -65,6 +64,19 @@ def dig(tree, *path):
     return tree
 
 
+def read_json(path, form=None):
+    """What a JSON file holds; where a format is stated, an object that says it is in this format."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BadInput(f"{path}: {error.strerror}") from error
+    except ValueError as error:
+        raise BadInput(f"{path}: {error}") from error
+    if form and (not isinstance(content, dict) or content.get("format") != form):
+        raise BadInput(f"{path}: not in the format {form}")
+    return content
+
+
 def rows_of(path):
     """The rows of a CSV file as dicts; comment lines start with #."""
     if not path.is_file():
@@ -119,15 +131,8 @@ def read_run(output, entry, name, colour):
 
 
 def read_comparison(output):
-    path = pathlib.Path(output) / "compare.json"
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise BadInput(f"{path}: {error.strerror}") from error
-    except ValueError as error:
-        raise BadInput(f"{path}: {error}") from error
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise BadInput(f"{path}: not in the format {FORMAT}")
+    path = output / "compare.json"
+    content = read_json(path, FORMAT)
     try:
         entries = content["runs"]
         runs = [read_run(path.parent, entry, name, RUN_COLOURS[i % len(RUN_COLOURS)])

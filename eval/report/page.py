@@ -1,9 +1,10 @@
-"""What every page shares: the template engine, Plotly carried inside, and data that a script reads."""
+"""What every page shares: the template engine, Plotly carried inside, data that a script reads, and the command line."""
 import base64
 import gzip
 import importlib.util
 import json
 import pathlib
+import sys
 
 from comparison import BadInput
 
@@ -53,3 +54,17 @@ def rendered(name, script, data, **content):
     return template(name).render(
         style=text_of("page.css"), script=text_of(script), data_json=embedded_json(data) if drawn else None,
         plotly=packed(plotly_source()) if drawn else None, **content)
+
+
+def run_report(name, make):
+    """The program `name.py OUTPUT`: the page that `make` returns for the folder goes to OUTPUT/report.html; the exit code."""
+    if len(sys.argv) != 2:
+        print(f"usage: {name}.py OUTPUT", file=sys.stderr)
+        return 2
+    output = pathlib.Path(sys.argv[1])
+    try:
+        (output / "report.html").write_text(make(output), encoding="utf-8")
+    except (BadInput, OSError) as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        return 2
+    return 0
