@@ -1,35 +1,12 @@
 #include "slammot/smoothers/far_map.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <numeric>
 
 #include "slammot/models/estimator.h"
 
 namespace slammot {
-
-namespace {
-
-std::vector<int> rows_but(const FarMap& far, const std::set<VariableId>& ids) {
-  std::vector<int> rows;
-  for (const auto& [id, offset] : far.offsets) {
-    if (ids.contains(id)) continue;
-    for (int k = 0; k < FarMap::kDim; ++k) rows.push_back(offset + k);
-  }
-  return rows;
-}
-
-void keep(FarMap& far, const std::set<VariableId>& without, const std::vector<int>& rows) {
-  far.mean = far.mean(rows).eval();
-  far.K = far.K(rows, Eigen::all).eval();
-  far.Sigma = far.Sigma(rows, rows).eval();
-  for (const VariableId id : without) far.offsets.erase(id);
-  int offset = 0;
-  for (auto& [id, at] : far.offsets) {
-    at = offset;
-    offset += FarMap::kDim;
-  }
-}
-
-}  // namespace
 
 std::vector<int> FarMap::rows(const std::vector<VariableId>& ids) const {
   std::vector<int> rows;
@@ -39,8 +16,41 @@ std::vector<int> FarMap::rows(const std::vector<VariableId>& ids) const {
   return rows;
 }
 
-void FarMap::forget(const std::set<VariableId>& ids) {
-  if (!ids.empty()) keep(*this, ids, rows_but(*this, ids));
+Eigen::MatrixXd FarMap::covariance(const std::vector<int>& rows,
+                                   const std::vector<int>& columns) const {
+  const auto m = static_cast<Eigen::Index>(rows.size());
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  return Eigen::MatrixXd::NullaryExpr(m, n, [&](Eigen::Index i, Eigen::Index j) {
+    const int a = rows[static_cast<std::size_t>(i)], b = columns[static_cast<std::size_t>(j)];
+    return Sigma(std::max(a, b), std::min(a, b));
+  });
+}
+
+void FarMap::add(VariableId id, const Eigen::Vector3d& value, Eigen::Index column) {
+  constexpr int kMore = 32;  // variables: the map is not copied for each that rests
+  if (vacant.empty()) {
+    const Eigen::Index old = rows(), more = kMore * kDim;
+    mean.conservativeResizeLike(Eigen::VectorXd::Zero(old + more));
+    K.conservativeResizeLike(Eigen::MatrixXd::Zero(old + more, K.cols()));
+    Sigma.conservativeResizeLike(Eigen::MatrixXd::Zero(old + more, old + more));
+    for (int k = kMore; k-- > 0;) vacant.push_back(static_cast<int>(old) + k * kDim);
+  }
+  const int row = offsets[id] = vacant.back();
+  vacant.pop_back();
+  mean.segment<kDim>(row) = value;
+  K.block<kDim, kDim>(row, column).setIdentity();
+}
+
+void FarMap::forget(const std::vector<VariableId>& ids) {
+  for (const VariableId id : ids) {
+    const int row = offsets.at(id);
+    mean.segment<kDim>(row).setZero();
+    K.middleRows<kDim>(row).setZero();
+    Sigma.middleRows<kDim>(row).setZero();
+    Sigma.middleCols<kDim>(row).setZero();
+    offsets.erase(id);
+    vacant.push_back(row);
+  }
 }
 
 void FarMap::eliminate(const Eigen::MatrixXd& R, const Eigen::VectorXd& r) {
@@ -52,34 +62,34 @@ void FarMap::eliminate(const Eigen::MatrixXd& R, const Eigen::VectorXd& r) {
   rest.noalias() -= E * R.rightCols(R.cols() - n);
   K = std::move(rest);
   Sigma.selfadjointView<Eigen::Lower>().rankUpdate(E);
-  Sigma.triangularView<Eigen::StrictlyUpper>() = Sigma.transpose();
 }
 
+// With Sigma_pp = L L' and X = Sigma_ip L^-T: the rest given x_p has K_i + X L^-1 (x_p - K_p b) and
+// Sigma_ii - X X'.
 Returned take_back(FarMap& far, const std::vector<VariableId>& ids) {
-  const std::set<VariableId> taken(ids.begin(), ids.end());
   const std::vector<int> p = far.rows(ids);
-  const std::vector<int> i = rows_but(far, taken);
-  Returned back{far.mean(p), far.K(p, Eigen::all), {}};
-  const Eigen::LLT<Eigen::MatrixXd> of_covariance(far.Sigma(p, p));
   const auto n = static_cast<Eigen::Index>(p.size());
+  Returned back{far.mean(p), far.K(p, Eigen::all), {}};
+  const Eigen::LLT<Eigen::MatrixXd> of_covariance(far.covariance(p, p));
   const Eigen::LLT<Eigen::MatrixXd> of_information(
       of_covariance.solve(Eigen::MatrixXd::Identity(n, n)));
   if (of_covariance.info() != Eigen::Success || of_information.info() != Eigen::Success) {
     throw Diverged("the covariance of a landmark that returns is not positive definite");
   }
   back.U = of_information.matrixU();
-  if (i.empty()) {  // BLAS refuses matrices without rows
-    far = {};
-    return back;
-  }
-  const Eigen::MatrixXd cross = far.Sigma(i, p);
-  const Eigen::MatrixXd G = of_covariance.solve(cross.transpose()).transpose();
-  keep(far, taken, i);
-  Eigen::MatrixXd K(far.K.rows(), far.K.cols() + n);
-  K.leftCols(n) = G;
-  K.rightCols(far.K.cols()) = far.K - G * back.K;
+  std::vector<int> all(static_cast<std::size_t>(far.rows()));
+  std::iota(all.begin(), all.end(), 0);
+  Eigen::MatrixXd X = far.covariance(all, p);
+  far.forget(ids);
+  for (const int row : p) X.row(row).setZero();
+  of_covariance.matrixU().solveInPlace<Eigen::OnTheRight>(X);
+  far.Sigma.selfadjointView<Eigen::Lower>().rankUpdate(X, -1.0);
+  of_covariance.matrixL().solveInPlace<Eigen::OnTheRight>(X);
+  Eigen::MatrixXd K(far.rows(), n + far.K.cols());
+  K.leftCols(n) = X;
+  K.rightCols(far.K.cols()) = far.K - X * back.K;
   far.K = std::move(K);
-  far.Sigma.noalias() -= G * cross.transpose();
+  if (far.empty()) far = {};
   return back;
 }
 

@@ -19,21 +19,30 @@ namespace slammot {
 using VariableId = int;
 
 struct FarMap {
-  std::map<VariableId, int> offsets;  // first row; every variable here has three numbers
-  Eigen::VectorXd mean;
-  Eigen::MatrixXd K;
-  Eigen::MatrixXd Sigma;
-
   static constexpr int kDim = 3;  // anchors and y alike
 
-  int dim() const { return static_cast<int>(mean.size()); }
+  std::map<VariableId, int> offsets;  // first row of each variable
+  std::vector<int> vacant;            // first rows that no variable has: zero everywhere
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd K;
+  Eigen::MatrixXd Sigma;  // the lower triangle
+
+  int dim() const { return kDim * static_cast<int>(offsets.size()); }
+  Eigen::Index rows() const { return mean.size(); }  // vacant ones included
+  bool empty() const { return offsets.empty(); }
   bool contains(VariableId id) const { return offsets.contains(id); }
 
   // Rows of `ids`, in their order.
   std::vector<int> rows(const std::vector<VariableId>& ids) const;
 
+  // Sigma of these rows (and columns).
+  Eigen::MatrixXd covariance(const std::vector<int>& rows, const std::vector<int>& columns) const;
+
+  // A variable that is known given column `column` of K and the two after it.
+  void add(VariableId id, const Eigen::Vector3d& value, Eigen::Index column);
+
   // Takes variables out without a trace: what remains is the marginal.
-  void forget(const std::set<VariableId>& ids);
+  void forget(const std::vector<VariableId>& ids);
 
   // Marginalises the first columns of K, whose variables are R_ff d_f + R_fr d_r + r_f ~ N(0, I);
   // R = (R_ff R_fr), columns of K in the same order.

@@ -54,10 +54,10 @@ FactorId Graph::add_factor(std::vector<VariableId> variables,
 }
 
 void Graph::remove_variables(const std::set<VariableId>& ids) {
-  std::set<VariableId> far;
+  std::vector<VariableId> far;
   for (const VariableId id : ids) {
     variables_.erase(id);
-    if (far_.contains(id)) far.insert(id);
+    if (far_.contains(id)) far.push_back(id);
     resting_.erase(id);
   }
   far_.forget(far);

@@ -107,10 +107,10 @@ class Graph {
   // x0 := the current estimate, for a prior (R, r) that is expressed there.
   void set_prior(std::vector<VariableId> variables, Eigen::MatrixXd R, Eigen::VectorXd r);
 
-  // The far map with its columns at the current estimate, as the prior's; K has one column for each
-  // of `columns` in all, and zeros where a variable is new to the prior.
-  FarMap far_at_estimate(const std::map<VariableId, int>& columns, int total) const;
-  // Replaces the far map; its columns are the prior's. `rested` leave the variables of the graph.
+  // Takes the far map out, expressed at the current estimate as the prior is; its K gets the
+  // `total` columns of `columns`, with zeros where a variable is new to the prior.
+  FarMap take_far(const std::map<VariableId, int>& columns, int total);
+  // Puts it back; its columns are the prior's. `rested` leave the variables of the graph.
   void set_far(FarMap far, const std::set<VariableId>& rested);
 
   // The numbers of a variable, for Ceres to move.

@@ -35,7 +35,7 @@ SmallVector Graph::value(VariableId id) const {
 
 Graph::Values Graph::far_values() const {
   Values values;
-  if (far_.dim() == 0) return values;
+  if (far_.empty()) return values;
   const Eigen::VectorXd x = far_.mean + far_.K * prior_difference();
   for (const auto& [id, row] : far_.offsets) values[id] = x.segment<FarMap::kDim>(row);
   return values;
@@ -80,9 +80,9 @@ void Graph::fix_at_zero(VariableId id) {
     const int dim = variables_.at(id).dim();
     const int rest = prior_.cols() - offset - dim;
     prior_.r.noalias() -= prior_.R.middleCols(offset, dim) * prior_.x0[k];
-    if (far_.dim() > 0) {
+    if (!far_.empty()) {
       far_.mean.noalias() -= far_.K.middleCols(offset, dim) * prior_.x0[k];
-      Eigen::MatrixXd K(far_.dim(), prior_.cols() - dim);
+      Eigen::MatrixXd K(far_.rows(), prior_.cols() - dim);
       K << far_.K.leftCols(offset), far_.K.rightCols(rest);
       far_.K = std::move(K);
     }
@@ -126,14 +126,14 @@ void Graph::rebase_prior() {
   if (prior_.cols() == 0) return;
   const Eigen::VectorXd d = prior_difference();
   prior_.r += prior_.R * d;
-  if (far_.dim() > 0) far_.mean += far_.K * d;
+  if (!far_.empty()) far_.mean += far_.K * d;
   for (std::size_t i = 0; i < prior_.variables.size(); ++i) {
     const Variable& v = variables_.at(prior_.variables[i]);
     const int at = prior_.offsets[i];
     if (v.manifold && !first_estimates_) {
       const SmallMatrix T = transport(v, prior_.x0[i]);
       prior_.R.middleCols(at, v.dim()) = (prior_.R.middleCols(at, v.dim()) * T).eval();
-      if (far_.dim() > 0) {
+      if (!far_.empty()) {
         far_.K.middleCols(at, v.dim()) = (far_.K.middleCols(at, v.dim()) * T).eval();
       }
       prior_.RtR.middleCols(at, v.dim()) = (prior_.RtR.middleCols(at, v.dim()) * T).eval();
@@ -161,15 +161,22 @@ void Graph::set_prior(std::vector<VariableId> variables, Eigen::MatrixXd R, Eige
   prior_.variables = std::move(variables);
 }
 
-FarMap Graph::far_at_estimate(const std::map<VariableId, int>& columns, int total) const {
-  FarMap far = far_;
-  far.K.setZero(far_.dim(), total);
-  if (far.dim() == 0) return far;
-  far.mean += far_.K * prior_difference();
+FarMap Graph::take_far(const std::map<VariableId, int>& columns, int total) {
+  FarMap far = std::move(far_);
+  far_ = {};
+  const Eigen::MatrixXd K = std::move(far.K);
+  far.K.setZero(far.rows(), total);
+  if (far.empty()) return far;
+  far.mean.noalias() += K * prior_difference();
   for (std::size_t i = 0; i < prior_.variables.size(); ++i) {
     const Variable& v = variables_.at(prior_.variables[i]);
-    far.K.middleCols(columns.at(prior_.variables[i]), v.dim()) =
-        far_.K.middleCols(prior_.offsets[i], v.dim()) * transport(v, prior_.x0[i]);
+    const auto from = K.middleCols(prior_.offsets[i], v.dim());
+    auto to = far.K.middleCols(columns.at(prior_.variables[i]), v.dim());
+    if (v.manifold) {
+      to.noalias() = from * transport(v, prior_.x0[i]);
+    } else {
+      to = from;
+    }
   }
   return far;
 }

@@ -95,28 +95,6 @@ void substitute(Eigen::MatrixXd& Ab, const Columns& columns, const Advance& adva
   Ab.middleCols<6>(columns.offset.at(advance.noise)).noalias() -= A_next * advance.G;
 }
 
-// The far map at the current estimate, in these columns, with the resting variables added to it.
-FarMap extended_far_map(const Graph& graph, const Columns& columns,
-                        const std::set<VariableId>& resting) {
-  FarMap far = graph.far_at_estimate(columns.offset, columns.total);
-  const Eigen::Index old = far.dim();
-  const Eigen::Index added = FarMap::kDim * static_cast<Eigen::Index>(resting.size());
-  far.mean.conservativeResize(old + added);
-  far.K.conservativeResize(old + added, columns.total);
-  far.K.bottomRows(added).setZero();
-  far.Sigma.conservativeResize(old + added, old + added);
-  far.Sigma.rightCols(added).setZero();
-  far.Sigma.bottomRows(added).setZero();
-  auto row = static_cast<int>(old);
-  for (const VariableId id : resting) {
-    far.offsets[id] = row;
-    far.mean.segment<FarMap::kDim>(row) = graph.value(id);
-    far.K.block<FarMap::kDim, FarMap::kDim>(row, columns.offset.at(id)).setIdentity();
-    row += FarMap::kDim;
-  }
-  return far;
-}
-
 }  // namespace
 
 void marginalise(Graph& graph, const std::set<VariableId>& leaving,
@@ -129,7 +107,8 @@ void marginalise(Graph& graph, const std::set<VariableId>& leaving,
   const std::vector<FactorId> touched = factors_touching(graph, concerned, absorbed);
   const Columns columns = order_columns(graph, leaving, resting, advances, touched);
   Eigen::MatrixXd Ab = stack(graph, columns, touched);
-  FarMap far = extended_far_map(graph, columns, resting);
+  FarMap far = graph.take_far(columns.offset, columns.total);
+  for (const VariableId id : resting) far.add(id, graph.value(id), columns.offset.at(id));
   for (const Advance& a : advances) {
     substitute(Ab, columns, a);
     substitute(far.K, columns, a);
@@ -148,7 +127,7 @@ void marginalise(Graph& graph, const std::set<VariableId>& leaving,
       remaining.push_back(id);
     }
   }
-  if (far.dim() > 0) {
+  if (!far.empty()) {
     far.eliminate(R.topLeftCorner(gone, columns.total), R.col(columns.total).head(gone));
   }
   for (const FactorId id : touched) graph.remove_factor(id);

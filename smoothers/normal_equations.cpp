@@ -259,7 +259,7 @@ Eigen::MatrixXd replace_far(const Graph& graph, LinearForm& form) {
   near.J.resize(rows, static_cast<Eigen::Index>(near_columns.size()) + J_prior.cols());
   near.J << form.J(Eigen::all, near_columns), J_prior;
   form = std::move(near);
-  return J_far * far.Sigma(at, at) * J_far.transpose();
+  return J_far * far.covariance(at, at) * J_far.transpose();
 }
 
 std::vector<Eigen::MatrixXd> NormalEquations::covariances(

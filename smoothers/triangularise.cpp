@@ -1,8 +1,19 @@
 #include "slammot/smoothers/triangularise.h"
 
-#include <Eigen/QR>
 #include <algorithm>
+#include <stdexcept>
 #include <vector>
+
+// LAPACK's QR in compact WY form, recursive within a panel (Elmroth & Gustavson 2000): matrix
+// products throughout, where Eigen's reflectors are vector by vector. The last arguments are the
+// hidden lengths of the character arguments.
+extern "C" {
+void dgeqrt_(const int* m, const int* n, const int* nb, double* a, const int* lda, double* t,
+             const int* ldt, double* work, int* info);
+void dgemqrt_(const char* side, const char* trans, const int* m, const int* n, const int* k,
+              const int* nb, const double* v, const int* ldv, const double* t, const int* ldt,
+              double* c, const int* ldc, double* work, int* info, std::size_t, std::size_t);
+}
 
 namespace slammot {
 
@@ -27,6 +38,21 @@ std::vector<std::pair<int, int>> leading_columns(const Eigen::MatrixXd& A) {
   return rows;
 }
 
+// A := Q'A, where Q makes the first `width` columns upper triangular; what is below their diagonal
+// is left to hold the reflectors.
+void reduce_panel(Eigen::MatrixXd& A, int width) {
+  const auto m = static_cast<int>(A.rows()), rest = static_cast<int>(A.cols()) - width;
+  const int k = std::min(m, width);
+  Eigen::MatrixXd T(k, width), work(std::max(width, rest), k);
+  int info = 0;
+  dgeqrt_(&m, &width, &k, A.data(), &m, T.data(), &k, work.data(), &info);
+  if (info == 0 && rest > 0) {
+    dgemqrt_("L", "T", &m, &rest, &k, &k, A.data(), &m, T.data(), &k, A.col(width).data(), &m,
+             work.data(), &info, 1, 1);
+  }
+  if (info != 0) throw std::logic_error("LAPACK refuses the arguments of a QR factorisation");
+}
+
 }  // namespace
 
 Eigen::MatrixXd triangularise(const Eigen::MatrixXd& A) {
@@ -47,12 +73,9 @@ Eigen::MatrixXd triangularise(const Eigen::MatrixXd& A) {
     }
     const Eigen::Index finished = std::min<Eigen::Index>(width, active.rows());
     if (active.rows() > 0) {
-      Eigen::HouseholderQR<Eigen::MatrixXd> qr(active.leftCols(width));
-      active.leftCols(width) = qr.matrixQR().triangularView<Eigen::Upper>();
-      if (n - c > width) {
-        active.rightCols(n - c - width).applyOnTheLeft(qr.householderQ().adjoint());
-      }
-      R.block(c, c, finished, n - c) = active.topRows(finished);
+      reduce_panel(active, width);
+      R.block(c, c, finished, n - c) =
+          active.topRows(finished).triangularView<Eigen::Upper>();
     }
     carried = active.bottomRightCorner(active.rows() - finished, n - c - width).eval();
   }
