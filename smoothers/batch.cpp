@@ -9,12 +9,8 @@ namespace slammot {
 namespace {
 
 // A landmark in the batch's graph.
-struct BatchLandmark {
+struct BatchLandmark : LandmarkVariables {
   LandmarkLife life;
-  VariableId anchor = 0, y = 0;
-  std::optional<VariableId> w;
-  std::shared_ptr<Chain> chain;
-  std::vector<VariableId> noises;
 };
 
 }  // namespace
@@ -46,11 +42,7 @@ class Batch final : public Estimator {
   void add_landmark(const LandmarkLife& life);
   void add_chain(BatchLandmark& landmark);
   void leave_out_poles();
-  double refresh_noises();  // as Window's
-  void add_pixel(const BatchLandmark& landmark, int frame, const Eigen::Vector2d& pixel);
-  Vector6d base(const BatchLandmark& landmark) const;
-  std::vector<Vector6d> noises(const BatchLandmark& landmark) const;
-  ChainState state(const BatchLandmark& landmark) const;
+  double refresh_noises();  // of all landmarks
   LandmarkEstimate estimate(const BatchLandmark& landmark, const NormalEquations& equations) const;
 
   Setup setup_;
@@ -106,7 +98,11 @@ void Batch::add_landmark(const LandmarkLife& life) {
     l.w = graph_.add_variable(life.states.front().tail<3>(), nullptr, owner);
     add_chain(l);
   }
-  for (const auto& [frame, pixel] : life.pixels) add_pixel(l, frame, pixel);
+  for (const auto& [frame, pixel] : life.pixels) {
+    const auto k = static_cast<std::size_t>(frame);
+    add_pixel(graph_, l, {positions_[k], motions_[k], pixel, l.w ? frame - life.birth : 0},
+              setup_.camera, setup_.pixel_sigma, window_.loss_.get());
+  }
 }
 
 void Batch::add_chain(BatchLandmark& l) {
@@ -126,37 +122,6 @@ void Batch::add_chain(BatchLandmark& l) {
   }
 }
 
-void Batch::add_pixel(const BatchLandmark& l, int frame, const Eigen::Vector2d& pixel) {
-  const auto k = static_cast<std::size_t>(frame);
-  const double sigma = setup_.pixel_sigma;
-  if (frame == l.life.birth) {
-    graph_.add_factor({motions_[k], l.y}, first_pixel_cost(setup_.camera, pixel, sigma),
-                      window_.loss_.get());
-    return;
-  }
-  std::vector<VariableId> variables{positions_[k], motions_[k], l.anchor, l.y};
-  if (!l.w) {
-    graph_.add_factor(variables, pixel_cost(setup_.camera, pixel, sigma), window_.loss_.get());
-    return;
-  }
-  const int depth = frame - l.life.birth;
-  variables.push_back(*l.w);
-  variables.insert(variables.end(), l.noises.begin(), l.noises.begin() + depth);
-  graph_.add_factor(variables,
-                    std::make_unique<ChainPixelCost>(setup_.camera, pixel, sigma, l.chain, depth),
-                    window_.loss_.get());
-}
-
-Vector6d Batch::base(const BatchLandmark& l) const {
-  return (Vector6d() << graph_.value(l.y), graph_.value(*l.w)).finished();
-}
-
-std::vector<Vector6d> Batch::noises(const BatchLandmark& l) const {
-  std::vector<Vector6d> values;
-  for (const VariableId n : l.noises) values.emplace_back(graph_.value(n));
-  return values;
-}
-
 // A moving landmark that may pass through the camera can explain any pixel there: the solution is
 // drawn to that pole and then held by its edge (observation.h), all of it. A measurement of a
 // landmark that has come so near says nothing of the rest and is left out.
@@ -174,14 +139,8 @@ void Batch::leave_out_poles() {
 
 double Batch::refresh_noises() {
   double change = 0.0;
-  for (BatchLandmark& l : all_) {
-    if (!l.w) continue;
-    const std::vector<Vector6d> n =
-        lead_through(*l.chain, states(*l.chain, base(l), noises(l)), setup_.prior.acceleration);
-    for (std::size_t k = 0; k < n.size(); ++k) {
-      change = std::max(change, (n[k] - graph_.value(l.noises[k])).cwiseAbs().maxCoeff());
-      graph_.set_value(l.noises[k], n[k]);
-    }
+  for (const BatchLandmark& l : all_) {
+    change = std::max(change, slammot::refresh_noises(graph_, l, setup_.prior.acceleration));
   }
   return change;
 }
@@ -214,27 +173,11 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
   return result;
 }
 
-ChainState Batch::state(const BatchLandmark& l) const {
-  return l.w ? propagate(*l.chain, base(l), noises(l)) : static_state(graph_.value(l.y));
-}
-
 LandmarkEstimate Batch::estimate(const BatchLandmark& l, const NormalEquations& equations) const {
-  const ChainState landmark = state(l);
-  const Eigen::Index dim = l.w ? 6 : 3;
-  LinearForm form;
-  form.variables = {l.anchor, l.y};
-  if (l.w) form.variables.push_back(*l.w);
-  form.variables.insert(form.variables.end(), l.noises.begin(), l.noises.end());
-  form.J.setZero(3 + dim, 3 + landmark.J.cols());
-  form.J.topLeftCorner<3, 3>().setIdentity();
-  form.J.bottomRightCorner(dim, landmark.J.cols()) = landmark.J.topRows(dim);
-  LandmarkBelief belief;
-  belief.anchor = graph_.value(l.anchor);
-  belief.y = landmark.x.head<3>();
-  belief.w = landmark.x.tail<3>();
-  const std::vector<LinearForm> forms{form};
-  belief.covariance = equations.covariances(forms).front();
-  LandmarkEstimate estimate = window_.functions_.estimate(l.life.record, belief);
+  LandmarkForm made = landmark_form(graph_, l);
+  const std::vector<LinearForm> forms{std::move(made.form)};
+  made.belief.covariance = equations.covariances(forms).front();
+  LandmarkEstimate estimate = window_.functions_.estimate(l.life.record, made.belief);
   if (l.w) estimate.state_frame = l.life.record.last_frame;  // where its chain ends
   return estimate;
 }

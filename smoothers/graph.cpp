@@ -90,8 +90,7 @@ double Graph::linearise(Factor& factor) const {
   factor.r.resize(rows);
   factor.valid = factor.cost->Evaluate(there.data(), factor.r.data(), jacobians.data());
   if (at_first) {
-    factor.valid =
-        factor.cost->Evaluate(here.data(), factor.r.data(), nullptr) && factor.valid;
+    factor.valid = factor.cost->Evaluate(here.data(), factor.r.data(), nullptr) && factor.valid;
   }
   factor.J.resize(n);
   for (std::size_t i = 0; i < n; ++i) {

@@ -64,7 +64,7 @@ void NormalEquations::add_prior(const Graph& graph) {
 
 void NormalEquations::add_factors(const Graph& graph) {
   // First which core columns each group is tied to, then the sums.
-  std::vector<std::vector<const Place*>> places;  // by factor and variable
+  std::vector<std::vector<const Place*>> places;         // by factor and variable
   std::vector<std::map<int, int>> ties(groups_.size());  // by offset in the core: columns
   places.reserve(graph.factors().size());
   for (const auto& [id, factor] : graph.factors()) {
@@ -128,7 +128,8 @@ void NormalEquations::add_factor(const Factor& factor, const std::vector<const P
     for (std::size_t j = 0; j < places.size(); ++j) {
       const Place& b = *places[j];
       if (b.group >= 0 || b.offset > a.offset) continue;  // U's lower triangle
-      U_.block(a.offset, b.offset, a.dim, b.dim) += factor.J[i].transpose().lazyProduct(factor.J[j]);
+      U_.block(a.offset, b.offset, a.dim, b.dim) +=
+          factor.J[i].transpose().lazyProduct(factor.J[j]);
     }
   }
 }
@@ -151,7 +152,8 @@ void NormalEquations::eliminate_groups(double damping) {
     reduced_g_(columns) -= group.LW.transpose() * Lg;
     for (Eigen::Index j = 0; j < n; ++j) {
       double* column = &U_(0, columns[static_cast<std::size_t>(j)]);
-      for (Eigen::Index i = j; i < n; ++i) column[columns[static_cast<std::size_t>(i)]] -= WVW(i, j);
+      for (Eigen::Index i = j; i < n; ++i)
+        column[columns[static_cast<std::size_t>(i)]] -= WVW(i, j);
     }
   }
 }

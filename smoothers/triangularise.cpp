@@ -74,8 +74,7 @@ Eigen::MatrixXd triangularise(const Eigen::MatrixXd& A) {
     const Eigen::Index finished = std::min<Eigen::Index>(width, active.rows());
     if (active.rows() > 0) {
       reduce_panel(active, width);
-      R.block(c, c, finished, n - c) =
-          active.topRows(finished).triangularView<Eigen::Upper>();
+      R.block(c, c, finished, n - c) = active.topRows(finished).triangularView<Eigen::Upper>();
     }
     carried = active.bottomRightCorner(active.rows() - finished, n - c - width).eval();
   }

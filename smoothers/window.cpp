@@ -118,7 +118,7 @@ std::vector<Observation> Window::gate(const Frame& frame, FrameReport& report) {
     const auto it = landmarks_.find(z.track);
     if (it == landmarks_.end()) continue;
     const WindowLandmark& l = it->second;
-    const ChainState landmark = newest_state(l);
+    const ChainState landmark = newest_state(graph_, l);
     const auto h = expect(setup_.camera, x.position, x.orientation, graph_.value(l.anchor),
                           landmark.x.head<3>());
     if (!h) {
@@ -155,9 +155,8 @@ std::vector<Observation> Window::gate(const Frame& frame, FrameReport& report) {
 void Window::add_measurements(const std::vector<Observation>& accepted) {
   for (const Observation& z : accepted) {
     WindowLandmark& l = landmarks_.at(z.track);
-    WindowPixel pixel{0, newest().position, newest().motion, z.pixel,
-                      static_cast<int>(l.noises.size())};
-    pixel.factor = add_pixel(l, pixel);
+    const auto depth = static_cast<int>(l.noises.size());
+    const WindowPixel pixel = measured(l, {newest().position, newest().motion, z.pixel, depth});
     if (l.w) l.pixels.push_back(pixel);
     if (record_lives_) l.life.pixels.emplace_back(newest().number, z.pixel);
   }

@@ -24,19 +24,9 @@ std::vector<LandmarkEstimate> Window::estimate(const std::vector<int>& tracks) c
   std::vector<LandmarkBelief> beliefs;
   std::vector<Eigen::MatrixXd> far;
   for (const int track : tracks) {
-    const WindowLandmark& l = landmarks_.at(track);
-    const ChainState landmark = newest_state(l);
-    LandmarkBelief& belief = beliefs.emplace_back();
-    belief.anchor = graph_.value(l.anchor);
-    belief.y = landmark.x.head<3>();
-    belief.w = landmark.x.tail<3>();
-    LinearForm& form = forms.emplace_back();
-    form.variables = {l.anchor};
-    for (const VariableId id : state_variables(l)) form.variables.push_back(id);
-    const Eigen::Index dim = l.w ? 6 : 3;
-    form.J.setZero(3 + dim, 3 + landmark.J.cols());
-    form.J.topLeftCorner<3, 3>().setIdentity();
-    form.J.bottomRightCorner(dim, landmark.J.cols()) = landmark.J.topRows(dim);
+    LandmarkForm made = landmark_form(graph_, landmarks_.at(track));
+    beliefs.push_back(std::move(made.belief));
+    LinearForm& form = forms.emplace_back(std::move(made.form));
     far.push_back(replace_far(graph_, form));
   }
   const std::vector<Eigen::MatrixXd> P = NormalEquations(graph_).covariances(forms);

@@ -10,7 +10,7 @@
 
 #include "slammot/models/classification.h"
 #include "slammot/smoothers/camera_manifold.h"
-#include "slammot/smoothers/landmark_chain.h"
+#include "slammot/smoothers/landmark_variables.h"
 #include "slammot/smoothers/marginalise.h"
 #include "slammot/smoothers/optimise.h"
 #include "slammot/smoothers/window.h"
@@ -26,17 +26,9 @@ struct WindowFrame {
   std::set<FactorId> knowledge;  // what was stated of landmarks born here; it leaves with the frame
 };
 
-// A measurement of a free landmark in the window, `depth` steps after its base.
-struct WindowPixel {
+// A measurement of a free landmark in the window, with its factor.
+struct WindowPixel : MeasuredPixel {
   FactorId factor = 0;
-  VariableId position = 0, motion = 0;
-  Eigen::Vector2d pixel;
-  int depth = 0;
-};
-
-struct ChainNoise {
-  VariableId id = 0;
-  FactorId prior = 0;
 };
 
 // What a batch needs to know of a landmark's life; kept only for one.
@@ -48,16 +40,13 @@ struct LandmarkLife {
   TrackRecord record;
 };
 
-struct WindowLandmark {
+// Its chain goes from the base to the newest frame.
+struct WindowLandmark : LandmarkVariables {
   TrackRecord record;
-  VariableId anchor = 0;
-  VariableId y = 0;             // at the base
-  std::optional<VariableId> w;  // at the base; none when static
   FactorId w_prior = 0;
-  VariableId base = 0;           // camera position of the base's frame
-  std::shared_ptr<Chain> chain;  // from the base to the newest frame; none when static
-  std::vector<ChainNoise> noises;
-  std::vector<WindowPixel> pixels;  // of a free landmark
+  VariableId base = 0;                 // camera position of the base's frame
+  std::vector<FactorId> noise_priors;  // as `noises`
+  std::vector<WindowPixel> pixels;     // of a free landmark
   LandmarkLife life;
 };
 
@@ -107,13 +96,8 @@ class Window : public Estimator {
 
   // window_chains.cpp: free landmarks through the window.
   void extend(WindowLandmark& landmark, double dt);
-  // The noises follow the landmarks' depths; the largest change of one, in sigmas.
-  double refresh_noise(WindowLandmark& landmark);
-  double refresh_noises();
-  std::vector<Vector6d> chain_states(const WindowLandmark& landmark) const;
-  ChainState newest_state(const WindowLandmark& landmark) const;
-  std::vector<VariableId> state_variables(const WindowLandmark& landmark) const;
-  FactorId add_pixel(const WindowLandmark& landmark, const WindowPixel& pixel);
+  double refresh_noises();  // of all landmarks
+  WindowPixel measured(const WindowLandmark& landmark, const MeasuredPixel& z);
   Advance advance(const WindowLandmark& landmark, const Vector6d& from, std::size_t step) const;
   std::vector<Advance> leave_base(WindowLandmark& landmark, std::set<VariableId>& leaving);
   void enter_base(WindowLandmark& landmark, VariableId base);

@@ -59,8 +59,7 @@ void Window::admit_new(const Frame& frame, FrameReport& report) {
     const Label label = classifier_->at_birth(z.track, first_frame);
     WindowLandmark& l = birth(born(z.track, frame.index, label, first_frame), z.pixel);
     l.y = graph_.add_variable(y->y, nullptr, z.track);
-    const WindowPixel first{0, newest().position, newest().motion, z.pixel, 0};
-    const FactorId factor = add_pixel(l, first);
+    const WindowPixel first = measured(l, {newest().position, newest().motion, z.pixel, 0});
     newest().knowledge.insert(
         scene_ ? graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(setup_.prior))
                : graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior)));
@@ -70,7 +69,6 @@ void Window::admit_new(const Frame& frame, FrameReport& report) {
     l.w_prior = graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigma(setup_.prior)));
     l.chain = std::make_shared<Chain>(Chain{&functions_, {}});
     l.pixels = {first};
-    l.pixels.front().factor = factor;
   }
 }
 
@@ -83,7 +81,7 @@ void Window::classify(const std::vector<Observation>& accepted, const NormalEqua
   for (const Observation& z : accepted) {
     const WindowLandmark& l = landmarks_.at(z.track);
     if (l.record.label != Label::kUnknown) continue;
-    const ChainState state = newest_state(l);
+    const ChainState state = newest_state(graph_, l);
     unknown.push_back(z.track);
     states.push_back(state.x);
     forms.push_back({state_variables(l), state.J.bottomRows<3>()});
@@ -111,6 +109,7 @@ void Window::collapse(const std::vector<int>& tracks) {
     WindowLandmark& landmark = landmarks_.at(track);
     models_.collapse == "condition" ? condition(landmark) : drop(landmark);
     landmark.noises.clear();
+    landmark.noise_priors.clear();
     landmark.pixels.clear();
     landmark.chain.reset();
     landmark.w.reset();
@@ -128,16 +127,14 @@ void Window::condition(WindowLandmark& landmark) {
   for (const WindowPixel& z : landmark.pixels) {
     if (z.depth > 0) graph_.remove_factor(z.factor);
   }
-  for (const ChainNoise& n : landmark.noises) {
-    graph_.remove_factor(n.prior);
-    graph_.remove_variables({n.id});
-  }
+  for (const FactorId prior : landmark.noise_priors) graph_.remove_factor(prior);
+  for (const VariableId noise : landmark.noises) graph_.remove_variables({noise});
   graph_.remove_factor(landmark.w_prior);
   graph_.fix_at_zero(*landmark.w);
   for (WindowPixel& z : landmark.pixels) {
     if (z.depth == 0) continue;
     z.depth = 0;
-    add_pixel(landmark, z);
+    measured(landmark, z);
   }
 }
 
@@ -151,7 +148,7 @@ void Window::drop(WindowLandmark& landmark) {
   for (std::size_t i = 0; i < landmark.noises.size(); ++i) {
     advances.push_back(advance(landmark, x, i));
     x = advances.back().next;
-    leaving.insert(landmark.noises[i].id);
+    leaving.insert(landmark.noises[i]);
   }
   marginalise(graph_, leaving, advances);
 }
@@ -167,7 +164,8 @@ void Window::retire(FrameReport& report) {
   for (auto& [track, landmark] : landmarks_) {
     if (landmark.record.unused_frames > 0) {
       const Eigen::Vector3d y =
-          landmark.w ? Eigen::Vector3d(newest_state(landmark).x.head<3>()) : value(landmark.y);
+          landmark.w ? Eigen::Vector3d(chain_states(graph_, landmark).back().head<3>())
+                     : value(landmark.y);
       note_unused(landmark.record,
                   in_view(setup_.camera, c.position, c.orientation, value(landmark.anchor), y));
     }
