@@ -162,6 +162,8 @@ std::vector<ConfigurationKey> estimator_keys() {
       number("window.frames", "camera states kept", kPositive, SLAMMOT_FIELD(window.frames)),
       number("window.iterations", "Gauss-Newton steps a frame at most", kPositive,
              SLAMMOT_FIELD(window.iterations)),
+      number("window.negligible", "a step that promises to lower chi-square by less is the last",
+             kPositive, SLAMMOT_FIELD(window.negligible)),
       choice("window.linearisation", "Jacobians beside the prior", {"standard", "fej"},
              SLAMMOT_FIELD(window.linearisation)),
       choice("window.loss", "on the measurements", {"none", "huber"}, SLAMMOT_FIELD(window.loss)),

@@ -11,7 +11,7 @@ struct OptimiseResult {
 };
 
 // At most `iterations` linearisations from the current estimate; it ends when a step promises to
-// lower the cost by less than `negligible` (in units of chi-square: 1e-4 is a hundredth of a
+// lower the cost by less than `negligible` (in units of chi-square: 1e-2 is a tenth of a
 // standard deviation). Steps are those of Gauss-Newton; one that raises the cost is not taken but
 // tried again with more damping. A single iteration is taken as it is, whatever the cost says: that
 // is what an EKF does.
