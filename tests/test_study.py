@@ -30,7 +30,7 @@ sweep: {classifier.static_threshold: [0.8, 1.6]}
 record: {tracks: [1, 2]}
 """
 FIGURES = ["camera_error", "landmark_error", "classification", "classification_against_sweep", "velocity", "trade_off",
-           "anees", "anees_by_age"]
+           "anees", "landmark_anees", "anees_by_age"]
 
 
 def slammot(*arguments, code=0):

@@ -240,17 +240,43 @@ def trade_off(plt, summary):
     return figure, ("Accuracy and consistency against cost", "Filtered estimates; bars are 95% bootstrap intervals over runs.")
 
 
+def anees_line(axis, cell, part, style):
+    f = cell["per_frame"]
+    axis.plot(f["frame"], finite(f[f"anees_{part}"]), linewidth=1, **style)
+
+
 def anees(plt, summary):
-    figure, rows = group_rows(plt, summary, 1, 7.0, 2.9)
-    for group, (axis,), cells in rows:
-        for cell, style in cells:
-            axis.plot(cell["per_frame"]["frame"], finite(cell["per_frame"]["anees_pose"]), linewidth=1, **style)
-        f = cells[0][0]["per_frame"]
-        axis.fill_between(f["frame"], f["anees_pose_lower"], f["anees_pose_upper"], color="black", alpha=0.12, linewidth=0,
-                          label="95% interval of a consistent estimator")
-        expected(axis, 6)
-        explain(axis, legend=7, title=group["name"], xlabel="frame", ylabel="ANEES of the pose", yscale="log")
-    return figure, ("Consistency of the camera", "Average NEES over the runs, frame by frame; 6 is right.")
+    figure, rows = group_rows(plt, summary, 3, 4.2, 2.9)
+    for group, axes, cells in rows:
+        for axis, (part, dof) in zip(axes, (("pose", 6), ("position", 3), ("rotation", 3))):
+            for cell, style in cells:
+                anees_line(axis, cell, part, style)
+            f = cells[0][0]["per_frame"]
+            axis.fill_between(f["frame"], f[f"anees_{part}_lower"], f[f"anees_{part}_upper"], color="black", alpha=0.12,
+                              linewidth=0, label="95% interval of a consistent estimator")
+            expected(axis, dof)
+            explain(axis, legend=7, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES ({part})", yscale="log")
+    return figure, ("Consistency of the camera", "Average NEES over the runs, frame by frame; 6 is right for the pose, 3 for position "
+                    "and rotation.")
+
+
+def interval_band(axis, x, lower, upper, style):
+    axis.fill_between(x, finite(lower), finite(upper), color=style["color"], alpha=0.2, linewidth=0)
+
+
+def landmark_anees(plt, summary):
+    figure, rows = group_rows(plt, summary, 2, 4.5, 2.9)
+    for group, axes, cells in rows:
+        for axis, part in zip(axes, ("position", "velocity")):
+            for cell, style in cells:
+                f = cell["per_frame"]
+                anees_line(axis, cell, f"landmark_{part}", style)
+                interval_band(axis, f["frame"], f[f"anees_landmark_{part}_lower"], f[f"anees_landmark_{part}_upper"], style)
+            expected(axis, 3)
+            explain(axis, legend=7, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES of landmarks ({part})",
+                    yscale="log")
+    return figure, ("Consistency of the landmarks, frame by frame", "Average NEES over the landmarks measured in a frame and the runs, "
+                    "with its 95% bootstrap interval over runs; 3 is right.")
 
 
 def anees_by_age(plt, summary):
@@ -259,18 +285,21 @@ def anees_by_age(plt, summary):
         for axis, part in zip(axes, ("position", "velocity")):
             for cell, style in cells:
                 ages = [(a["observations"], a[f"nees_{part}"]) for a in cell["by_age"] if a[f"nees_{part}"]]
-                points = [(n, a["mean"]) for n, a in ages if a["mean"] is not None]
+                points = [(n, a["mean"], a["lower"], a["upper"]) for n, a in ages if a["mean"] is not None]
                 if points:
-                    axis.plot(*zip(*points), "o-", markersize=3, **style)
+                    n, means, lower, upper = zip(*points)
+                    axis.plot(n, means, "o-", markersize=3, **style)
+                    interval_band(axis, n, lower, upper, style)
             expected(axis, 3)
             explain(axis, legend=7, title=f'{group["name"]}: {part}', xlabel="measurements of the landmark",
                     ylabel=f"ANEES ({part})", xscale="log", yscale="log")
-    return figure, ("Consistency of the landmarks by age", "Average NEES over the landmarks of all runs with so many measurements; 3 is right.")
+    return figure, ("Consistency of the landmarks by age", "Average NEES over the landmarks of all runs with so many measurements, "
+                    "with its 95% bootstrap interval over runs; 3 is right.")
 
 
 DRAWERS = {"camera_error": camera_error, "landmark_error": landmark_error, "classification": classification,
            "classification_against_sweep": classification_against_sweep, "velocity": velocity, "trade_off": trade_off,
-           "anees": anees, "anees_by_age": anees_by_age}
+           "anees": anees, "landmark_anees": landmark_anees, "anees_by_age": anees_by_age}
 
 
 def draw_all(summary, folder):

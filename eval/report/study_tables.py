@@ -90,6 +90,21 @@ def summary_table(summary):
          "ANEES pose", "inside", "ANEES position", "NIS", "smoothed RMSE [m]", "frame [ms]"], rows)
 
 
+def consistency_table(summary):
+    rows = []
+    for group, cell in cells_of(summary):
+        for part, a in cell.get("anees", {}).items():
+            if a["mean"] is not None:
+                rows.append([group["name"], cell["label"], part.replace("_", " "), str(a["dof"]), number(a["mean"]),
+                             number(a["largest"]), percent(a["inside"], 1)])
+    return Table(
+        "Consistency",
+        "ANEES of each part of the state: mean and largest over the frames, and the part of the frames that are inside. Of the camera: "
+        "whose ANEES lies in the two-sided 95% interval of a consistent estimator. Of landmarks, which share their camera's error: "
+        "whose 95% bootstrap interval over runs holds 3.",
+        ["scenario", "estimator", "part", "right is", "mean", "largest", "inside"], rows)
+
+
 def counts_row(group, label, static, moving):
     row = [group, label]
     for counts in (static, moving):
@@ -150,6 +165,6 @@ def coverage_table(summary):
 
 
 def all_tables(summary):
-    tables = {"summary": summary_table(summary), "classification": classification_table(summary),
+    tables = {"summary": summary_table(summary), "consistency": consistency_table(summary), "classification": classification_table(summary),
               "pairs": pairs_table(summary), "coverage": coverage_table(summary)}
     return {name: table for name, table in tables.items() if table.rows}
