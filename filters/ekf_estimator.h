@@ -1,0 +1,57 @@
+// The EKF's state and the steps of its frame; see ekf.h for what it is.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "slammot/filters/ekf.h"
+#include "slammot/filters/ekf_update.h"
+#include "slammot/models/classification.h"
+
+namespace slammot {
+
+class Ekf final : public Estimator {
+ public:
+  // Throws std::invalid_argument for an unknown landmark model, classifier or linearisation.
+  Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options);
+
+  FrameReport process(const Frame& frame, StageListener& stages) override;
+  CameraEstimate camera() const override;
+  std::vector<LandmarkEstimate> landmarks() const override;
+
+ private:
+  // ekf.cpp: the frame.
+  void predict(const Frame& frame);
+  void correct(const Innovation& accepted);
+  void check() const;
+
+  // ekf_landmarks.cpp: the life of landmarks.
+  void admit_known(const Frame& frame, FrameReport& report);
+  void admit_new(const Frame& frame, FrameReport& report);
+  StateBlock append_new(const NewLandmark& at, int dim);
+  FilterAnchor& anchor_here(int frame);
+  FilterLandmark& add(TrackRecord record, const Eigen::Vector3d& y, StateBlock block, int frame);
+  // What became of each landmark's measurement, into its record.
+  void note(const Gate& gated, const std::set<int>& out_of_view, int frame);
+  void classify(const std::vector<Match>& seen, int frame);
+  void collapse(const std::vector<int>& tracks);
+  void retire(FrameReport& report);
+  LandmarkEstimate estimate(const FilterLandmark& landmark) const;
+
+  Setup setup_;
+  ModelOptions models_;
+  EkfOptions options_;
+  const LandmarkFunctions& landmark_;
+  std::unique_ptr<Classifier> classifier_;
+  std::map<int, KnownLandmark> known_;
+  std::set<int> known_used_;
+  JointState state_;
+  Linearisation linearisation_;
+  std::optional<double> timestamp_;
+  int first_frame_ = 0;  // index of the first frame processed
+};
+
+}  // namespace slammot

@@ -1,0 +1,177 @@
+// The landmarks of the EKF: births, classification, deaths, and what is believed of them.
+#include <Eigen/Cholesky>
+
+#include "slammot/filters/ekf_estimator.h"
+#include "slammot/models/initialisation.h"
+#include "slammot/models/observation.h"
+
+namespace slammot {
+
+// Landmarks known beforehand enter before the update, so that their first pixel counts as well.
+void Ekf::admit_known(const Frame& frame, FrameReport& report) {
+  for (const Observation& z : frame.observations) {
+    const auto known = known_.find(z.track);
+    if (known == known_.end() || state_.landmarks.contains(z.track)) continue;
+    if (!known_used_.insert(z.track).second) continue;  // what was stated counts once
+    const FilterAnchor& anchor = anchor_here(frame.index);
+    const NewKnownLandmark born_here = initialise_known(known->second, anchor.position);
+    const Eigen::MatrixXd J =
+        linearisation_.known_birth(state_, known->second, frame.index, born_here).J_y_position;
+    const double variance = known->second.sigma * known->second.sigma;
+    const StateBlock block =
+        state_.covariance.append({{anchor.block, -J}}, variance * J * J.transpose());
+    TrackRecord record = born(z.track, frame.index, Label::kStatic, true);
+    record.observations = 0;
+    add(record, born_here.y, block, frame.index);
+    ++report.admitted;
+  }
+}
+
+// Thesis 2.1.3, (2.7): y from pixel, rotation and prior, with its full cross-covariance.
+void Ekf::admit_new(const Frame& frame, FrameReport& report) {
+  std::vector<Observation> candidates;
+  for (const Observation& z : frame.observations) {
+    if (!state_.landmarks.contains(z.track)) candidates.push_back(z);
+  }
+  const auto births =
+      admit(candidates, static_cast<int>(state_.landmarks.size()), report.accepted, models_.policy);
+  const bool first_frame = frame.index == first_frame_;
+  for (const Observation& z : births) {
+    const auto here =
+        initialise(setup_.camera, state_.camera.orientation, z.pixel,
+                   state_.scene ? state_.scene->inverse_depth : setup_.prior.inverse_depth);
+    if (!here) continue;
+    const NewLandmark at = linearisation_.birth(state_, setup_.camera, z, frame.index, *here);
+    const Label label = classifier_->at_birth(z.track, first_frame);
+    anchor_here(frame.index);
+    const StateBlock block = append_new(at, label == Label::kStatic ? 3 : 6);
+    add(born(z.track, frame.index, label, first_frame), here->y, block, frame.index);
+    ++report.admitted;
+  }
+}
+
+// The rows of a landmark's (y) or (y, w) at its birth.
+StateBlock Ekf::append_new(const NewLandmark& at, int dim) {
+  const double w_sigma = landmark_.prior_sigma(setup_.prior);
+  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(dim, dim);
+  R.topLeftCorner<2, 2>() =
+      setup_.pixel_sigma * setup_.pixel_sigma * at.J_angles_pixel * at.J_angles_pixel.transpose();
+  R(2, 2) = setup_.prior.inverse_depth_sigma * setup_.prior.inverse_depth_sigma;
+  R.bottomRightCorner(dim - 3, dim - 3).diagonal().setConstant(w_sigma * w_sigma);
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(dim, 3);
+  J.topRows<2>() = at.J_angles_rotation;
+  std::vector<JointCovariance::Dependence> on{{{kRotation, 3}, J}};
+  if (state_.scene) on.push_back({state_.scene->block, Eigen::MatrixXd::Identity(dim, 3).col(2)});
+  return state_.covariance.append(on, R);
+}
+
+FilterAnchor& Ekf::anchor_here(int frame) {
+  const auto found = state_.anchors.find(frame);
+  if (found != state_.anchors.end()) return found->second;
+  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+  const StateBlock block =
+      state_.covariance.append({{{kPosition, 3}, I}}, Eigen::MatrixXd::Zero(3, 3));
+  return state_.anchors[frame] = {state_.camera.position, block, 0};
+}
+
+FilterLandmark& Ekf::add(TrackRecord record, const Eigen::Vector3d& y, StateBlock block,
+                         int frame) {
+  ++state_.anchors.at(frame).landmarks;
+  FilterLandmark& landmark = state_.landmarks[record.track];
+  landmark.record = record;
+  landmark.anchor = frame;
+  landmark.y = y;
+  landmark.block = block;
+  return landmark;
+}
+
+void Ekf::note(const Gate& gated, const std::set<int>& out_of_view, int frame) {
+  for (auto& [track, landmark] : state_.landmarks) ++landmark.record.unused_frames;
+  for (const Match& m : gated.accepted.matches) {
+    note_accepted(state_.landmarks.at(m.track).record, frame);
+  }
+  for (const int track : gated.rejected) note_rejected(state_.landmarks.at(track).record);
+  for (const int track : out_of_view) note_rejected(state_.landmarks.at(track).record);
+}
+
+// Thesis 3.1.3, for every unknown landmark measured in this frame.
+void Ekf::classify(const std::vector<Match>& seen, int frame) {
+  std::vector<int> now_static;
+  for (const Match& match : seen) {
+    FilterLandmark& landmark = state_.landmarks.at(match.track);
+    if (landmark.record.label != Label::kUnknown) continue;
+    MotionBelief belief;
+    belief.track = match.track;
+    belief.w = landmark.w;
+    belief.covariance = state_.covariance.block(landmark.w_block(), landmark.w_block());
+    belief.prior_sigma = landmark_.prior_sigma(setup_.prior);
+    belief.density_scale = landmark_.density_scale(landmark.x());
+    note_decision(landmark.record, classifier_->decide(belief), frame);
+    if (landmark.record.label == Label::kStatic) now_static.push_back(match.track);
+  }
+  collapse(now_static);
+}
+
+// (3.3). `condition` first uses w = 0 as an exact measurement: K = P[:,w] P_ww^-1.
+void Ekf::collapse(const std::vector<int>& tracks) {
+  if (tracks.empty()) return;
+  if (models_.collapse == "condition") {
+    const auto m = static_cast<Eigen::Index>(3 * tracks.size());
+    Eigen::MatrixXd P_w(state_.covariance.size(), m);
+    Eigen::VectorXd w(m);
+    std::vector<int> rows;
+    for (std::size_t i = 0; i < tracks.size(); ++i) {
+      const FilterLandmark& landmark = state_.landmarks.at(tracks[i]);
+      const auto at = static_cast<Eigen::Index>(3 * i);
+      P_w.middleCols(at, 3) = state_.covariance.cols(landmark.w_block());
+      w.segment<3>(at) = landmark.w;
+      for (int k = 0; k < 3; ++k) rows.push_back(landmark.w_block().offset + k);
+    }
+    const Eigen::LLT<Eigen::MatrixXd> P_ww(P_w(rows, Eigen::all));
+    if (P_ww.info() != Eigen::Success) throw Diverged("a velocity's covariance is not positive");
+    Eigen::MatrixXd W = P_w;
+    P_ww.matrixU().solveInPlace<Eigen::OnTheRight>(W);
+    const Eigen::VectorXd dx = -W * P_ww.matrixL().solve(w);
+    state_.covariance.subtract_outer(W);
+    linearisation_.correct(state_, dx);
+  }
+  state_.drop_motion(tracks);
+}
+
+void Ekf::retire(FrameReport& report) {
+  std::vector<int> lost;
+  const CameraState c = linearisation_.camera(state_);
+  for (auto& [track, landmark] : state_.landmarks) {
+    if (landmark.record.unused_frames > 0) {
+      note_unused(landmark.record, in_view(setup_.camera, c.position, c.orientation,
+                                           linearisation_.anchor(state_, landmark.anchor),
+                                           linearisation_.landmark(state_, track).head<3>()));
+    }
+    if (!is_lost(landmark.record, models_.policy)) continue;
+    lost.push_back(track);
+    report.retired.push_back(estimate(landmark));
+  }
+  state_.remove_landmarks(lost);
+}
+
+LandmarkEstimate Ekf::estimate(const FilterLandmark& landmark) const {
+  const FilterAnchor& anchor = state_.anchors.at(landmark.anchor);
+  const JointCovariance& P = state_.covariance;
+  LandmarkBelief belief;
+  belief.anchor = anchor.position;
+  belief.y = landmark.y;
+  belief.w = landmark.w;
+  const StateBlock blocks[] = {anchor.block, landmark.block};
+  belief.covariance.resize(3 + landmark.block.dim, 3 + landmark.block.dim);
+  belief.covariance << P.block(blocks[0], blocks[0]), P.block(blocks[0], blocks[1]),
+      P.block(blocks[1], blocks[0]), P.block(blocks[1], blocks[1]);
+  return landmark_.estimate(landmark.record, belief);
+}
+
+std::vector<LandmarkEstimate> Ekf::landmarks() const {
+  std::vector<LandmarkEstimate> estimates;
+  for (const auto& [track, landmark] : state_.landmarks) estimates.push_back(estimate(landmark));
+  return estimates;
+}
+
+}  // namespace slammot
