@@ -32,11 +32,7 @@ Parameters parameters(MatchedOptions& o) {
 namespace {
 
 CameraState draw_first(const InitialCamera& initial, RandomStream& random) {
-  Vector12d error = random.normals<kCameraDim>();
-  error.segment<3>(kPosition) *= initial.position_sigma;
-  error.segment<3>(kRotation) *= initial.rotation_sigma;
-  error.segment<3>(kVelocity) *= initial.velocity_sigma;
-  error.segment<3>(kAngularVelocity) *= initial.angular_velocity_sigma;
+  const Vector12d error = random.normals<kCameraDim>().cwiseProduct(initial.sigmas());
   return boxplus(initial.state, error);
 }
 

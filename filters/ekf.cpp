@@ -12,14 +12,8 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       classifier_(make_classifier(classifier_for(landmark_, models.classifier), setup.true_labels)),
       linearisation_(options.linearisation, landmark_, setup.truth) {
   for (const KnownLandmark& known : setup.known) known_[known.track] = known;
-  const InitialCamera& initial = setup.initial;
-  Vector12d sigma;
-  sigma << Eigen::Vector3d::Constant(initial.position_sigma),
-      Eigen::Vector3d::Constant(initial.rotation_sigma),
-      Eigen::Vector3d::Constant(initial.velocity_sigma),
-      Eigen::Vector3d::Constant(initial.angular_velocity_sigma);
-  state_.camera = initial.state;
-  state_.covariance.append({}, sigma.cwiseAbs2().asDiagonal().toDenseMatrix());
+  state_.camera = setup.initial.state;
+  state_.covariance.append({}, setup.initial.sigmas().cwiseAbs2().asDiagonal().toDenseMatrix());
   const LandmarkPrior& prior = setup.prior;
   if (prior.mean_sigma > 0.0) {
     const Eigen::MatrixXd variance =

@@ -34,6 +34,14 @@ struct InitialCamera {
   double rotation_sigma = 1e-6;         // [rad]
   double velocity_sigma = 1.0;          // [m/s]
   double angular_velocity_sigma = 1.0;  // [rad/s]
+
+  // Of each component of the error state.
+  Vector12d sigmas() const {
+    const Eigen::Vector3d one = Eigen::Vector3d::Ones();
+    return (Vector12d() << position_sigma * one, rotation_sigma * one, velocity_sigma * one,
+            angular_velocity_sigma * one)
+        .finished();
+  }
 };
 
 // What is known of the scene before it is seen; see DESIGN section 7 on what a wrong value does.

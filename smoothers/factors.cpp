@@ -13,11 +13,8 @@ Eigen::Vector3d vector3(const double* p) { return Eigen::Map<const Eigen::Vector
 
 class InitialCameraCost final : public ceres::SizedCostFunction<12, 3, kMotionSize> {
  public:
-  explicit InitialCameraCost(const InitialCamera& initial) : mean_(initial.state) {
-    const Eigen::Vector3d one = Eigen::Vector3d::Ones();
-    weight_ << one / initial.position_sigma, one / initial.rotation_sigma,
-        one / initial.velocity_sigma, one / initial.angular_velocity_sigma;
-  }
+  explicit InitialCameraCost(const InitialCamera& initial)
+      : mean_(initial.state), weight_(initial.sigmas().cwiseInverse()) {}
 
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
     const Vector12d d = boxminus(camera_from_blocks(x[0], x[1]), mean_);

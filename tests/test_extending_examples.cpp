@@ -203,14 +203,8 @@ TEST(ExtendingClassifier, DecidesThroughItsInterface) {
 class DeadReckoning final : public Estimator {
  public:
   explicit DeadReckoning(const Setup& setup) : noise_(setup.camera_noise) {
-    const InitialCamera& initial = setup.initial;
-    camera_.state = initial.state;
-    Vector12d sigma;
-    sigma << Eigen::Vector3d::Constant(initial.position_sigma),
-        Eigen::Vector3d::Constant(initial.rotation_sigma),
-        Eigen::Vector3d::Constant(initial.velocity_sigma),
-        Eigen::Vector3d::Constant(initial.angular_velocity_sigma);
-    camera_.covariance = sigma.cwiseAbs2().asDiagonal();
+    camera_.state = setup.initial.state;
+    camera_.covariance = setup.initial.sigmas().cwiseAbs2().asDiagonal();
   }
 
   FrameReport process(const Frame& frame, StageListener& stages) override {
