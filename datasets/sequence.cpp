@@ -2,13 +2,6 @@
 
 namespace slammot {
 
-const TruePoint* TrueLandmark::at(int frame) const {
-  if (by_frame.empty()) return nullptr;
-  if (label == Label::kStatic) return &by_frame.begin()->second;
-  const auto found = by_frame.find(frame);
-  return found == by_frame.end() ? nullptr : &found->second;
-}
-
 InputError::InputError(const std::filesystem::path& file, int line, const std::string& reason)
     : std::runtime_error(file.string() + ":" + std::to_string(line) + ": " + reason) {}
 

@@ -9,25 +9,10 @@
 #include <vector>
 
 #include "slammot/models/camera.h"
-#include "slammot/models/label.h"
 #include "slammot/models/measurement.h"
+#include "slammot/models/truth.h"
 
 namespace slammot {
-
-struct TruePoint {
-  Eigen::Vector3d position;  // W [m]
-  Eigen::Vector3d velocity;  // W [m/s]
-};
-
-struct TrueLandmark {
-  Label label = Label::kStatic;       // static or moving
-  std::map<int, TruePoint> by_frame;  // by Frame::index; static: one entry, at any frame; moving:
-                                      // an entry for each frame that has a row
-
-  // Where it is at a frame: for a static one always the same; nothing for a moving one without a
-  // row.
-  const TruePoint* at(int frame) const;
-};
 
 // sequence.yaml `motion`: sigmas of the camera's motion noise.
 struct StatedMotion {

@@ -47,16 +47,7 @@ std::shared_ptr<const Truth> truth_of(const Sequence& sequence) {
   for (std::size_t i = 0; i < sequence.truth.size(); ++i) {
     if (sequence.truth[i]) truth->cameras[sequence.frames[i].index] = *sequence.truth[i];
   }
-  for (const auto& [track, landmark] : sequence.landmarks) {
-    if (landmark.label == Label::kStatic && !landmark.by_frame.empty()) {
-      const TruePoint& p = landmark.by_frame.begin()->second;
-      truth->statics[track] = {p.position, p.velocity};
-      continue;
-    }
-    for (const auto& [frame, p] : landmark.by_frame) {
-      truth->landmarks[track][frame] = {p.position, p.velocity};
-    }
-  }
+  truth->landmarks = sequence.landmarks;
   return truth;
 }
 

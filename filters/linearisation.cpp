@@ -70,17 +70,13 @@ const CameraState& Linearisation::true_camera(int frame) const {
 
 std::optional<Vector6d> Linearisation::true_landmark(int track, int frame,
                                                      const Eigen::Vector3d& anchor) const {
-  const TrueMotion* motion = nullptr;
-  if (const auto fixed = truth_->statics.find(track); fixed != truth_->statics.end()) {
-    motion = &fixed->second;
-  } else if (const auto moving = truth_->landmarks.find(track); moving != truth_->landmarks.end()) {
-    const auto here = moving->second.find(frame);
-    if (here != moving->second.end()) motion = &here->second;
-  }
-  if (motion == nullptr) return std::nullopt;
+  const auto landmark = truth_->landmarks.find(track);
+  if (landmark == truth_->landmarks.end()) return std::nullopt;
+  const TruePoint* point = landmark->second.at(frame);
+  if (point == nullptr) return std::nullopt;
   Vector6d x;
-  x << inverse_depth_of(Eigen::Vector3d(motion->position - anchor)), Eigen::Vector3d::Zero();
-  x.tail<3>() = functions_.motion_of(x.head<3>(), motion->velocity);
+  x << inverse_depth_of(Eigen::Vector3d(point->position - anchor)), Eigen::Vector3d::Zero();
+  x.tail<3>() = functions_.motion_of(x.head<3>(), point->velocity);
   return x;
 }
 

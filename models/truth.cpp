@@ -1,0 +1,12 @@
+#include "slammot/models/truth.h"
+
+namespace slammot {
+
+const TruePoint* TrueLandmark::at(int frame) const {
+  if (by_frame.empty()) return nullptr;
+  if (label == Label::kStatic) return &by_frame.begin()->second;
+  const auto found = by_frame.find(frame);
+  return found == by_frame.end() ? nullptr : &found->second;
+}
+
+}  // namespace slammot
