@@ -1,14 +1,13 @@
 // The thesis author's format: a small file, its refusals, and synth19 against synth19_1px.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include "slammot/datasets/native_writer.h"
 #include "slammot/datasets/reader.h"
+#include "slammot/tests/temporary_folder.h"
 
 namespace slammot {
 namespace {
@@ -30,15 +29,9 @@ const std::string kGood =
 
 class Author : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "slammot-author-XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   Sequence read(const std::string& text) {
-    std::ofstream(folder_ / "groundTruth.txt", std::ios::binary) << text;
-    return read_sequence(folder_);
+    test::write_text(folder_.path() / "groundTruth.txt", text);
+    return read_sequence(folder_.path());
   }
   std::string refusal(const std::string& from, const std::string& to) {
     std::string text = kGood;
@@ -52,7 +45,7 @@ class Author : public testing::Test {
     return "accepted";
   }
 
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(Author, ReadsASmallFile) {

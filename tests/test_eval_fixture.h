@@ -1,18 +1,13 @@
-// What the tests of eval/ share: a tiny true sequence, an estimator that reports what it is told,
-// and a folder that disappears.
+// What the tests of eval/ share: a tiny true sequence, and an estimator that reports what it is
+// told.
 #pragma once
 
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
-#include <string>
 #include <vector>
 
 #include "slammot/datasets/sequence.h"
 #include "slammot/models/estimator.h"
+#include "slammot/tests/temporary_folder.h"
 
 namespace slammot::test {
 
@@ -84,32 +79,6 @@ inline Belief true_belief(const Sequence& sequence, const Frame& frame) {
   belief.camera.state = *sequence.truth[static_cast<size_t>(frame.index)];
   belief.camera.covariance.setIdentity();
   return belief;
-}
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "slammot-XXXXXX").string();
-    path_ = mkdtemp(pattern.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-inline void write_text(const std::filesystem::path& file, const std::string& text) {
-  std::filesystem::create_directories(file.parent_path());
-  std::ofstream(file, std::ios::binary) << text;
-}
-
-inline std::string read_text(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace slammot::test

@@ -1,0 +1,183 @@
+// Marginalisation, first estimates and the far map, on linear problems whose answer is known.
+#include <ceres/sized_cost_function.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "slammot/smoothers/cost_tools.h"
+#include "slammot/smoothers/factors.h"
+#include "slammot/smoothers/marginalise.h"
+#include "slammot/smoothers/normal_equations.h"
+
+namespace slammot {
+namespace {
+
+// A x + B y - c, four residuals of two blocks of three.
+class LinearCost final : public ceres::SizedCostFunction<4, 3, 3> {
+ public:
+  explicit LinearCost(std::mt19937_64& engine) {
+    std::normal_distribution<double> normal;
+    for (double& v : A_.reshaped()) v = normal(engine);
+    for (double& v : B_.reshaped()) v = normal(engine);
+    for (double& v : c_.reshaped()) v = normal(engine);
+  }
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    using Block = Eigen::Map<const Eigen::Vector3d>;
+    Eigen::Map<Eigen::Vector4d>(residuals, 4) = A_ * Block(x[0]) + B_ * Block(x[1]) - c_;
+    write<4, 3>(jacobians, 0, A_);
+    write<4, 3>(jacobians, 1, B_);
+    return true;
+  }
+
+ private:
+  Eigen::Matrix<double, 4, 3> A_, B_;
+  Eigen::Vector4d c_;
+};
+
+// Twelve variables, each tied to the next and to one far away; every third belongs to a landmark.
+Graph linear_problem(unsigned seed) {
+  std::mt19937_64 engine(seed);
+  Graph graph(false);
+  for (int i = 0; i < 12; ++i) {
+    graph.add_variable(Eigen::Vector3d::Zero(), nullptr, i % 3 == 2 ? i : -1);
+  }
+  for (int i = 0; i + 1 < 12; ++i)
+    graph.add_factor({i, i + 1}, std::make_unique<LinearCost>(engine));
+  graph.add_factor({0, 7}, std::make_unique<LinearCost>(engine));
+  graph.add_factor({3, 10}, std::make_unique<LinearCost>(engine));
+  return graph;
+}
+
+TEST(Marginalise, ThenSolvingIsSolvingThenMarginalising) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Graph whole = linear_problem(seed), part = linear_problem(seed);
+    const Step solution = NormalEquations(whole).step();
+    const std::vector<std::vector<VariableId>> kept{{4, 6, 7}, {9, 10, 11}};
+    const auto P = NormalEquations(whole).covariances(kept);
+    marginalise(part, {0, 1});
+    marginalise(part, {2});
+    marginalise(part, {3, 5, 8});
+    const NormalEquations equations(part);
+    const Step step = equations.step();
+    const auto P_part = equations.covariances(kept);
+    for (const VariableId id : {4, 6, 7, 9, 10, 11}) {
+      EXPECT_LT((step.at(id) - solution.at(id)).norm(), 1e-10 * (1.0 + solution.at(id).norm()));
+    }
+    for (std::size_t i = 0; i < P.size(); ++i) {
+      EXPECT_LT((P[i] - P_part[i]).norm(), 1e-10 * P[i].norm()) << "seed " << seed;
+    }
+  }
+}
+
+TEST(Marginalise, WithoutThePriorTheAnswerIsAnother) {
+  Graph whole = linear_problem(1), part = linear_problem(1);
+  const Step solution = NormalEquations(whole).step();
+  marginalise(part, {0, 1});
+  part.set_prior({}, Eigen::MatrixXd(0, 0), Eigen::VectorXd(0));
+  const Step step = NormalEquations(part).step();
+  EXPECT_GT((step.at(2) - solution.at(2)).norm(), 1e-3);
+}
+
+// x^2 - y, which has another Jacobian wherever it is evaluated.
+class SquareCost final : public ceres::SizedCostFunction<1, 1, 1> {
+ public:
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    residuals[0] = x[0][0] * x[0][0] - x[1][0];
+    if (jacobians && jacobians[0]) jacobians[0][0] = 2.0 * x[0][0];
+    if (jacobians && jacobians[1]) jacobians[1][0] = -1.0;
+    return true;
+  }
+};
+
+// A variable that a prior touches is linearised where it was then, and elsewhere it is not: first
+// estimates (Huang, Mourikis and Roumeliotis 2010).
+TEST(FirstEstimates, JacobiansBesideThePriorStay) {
+  for (const bool first_estimates : {false, true}) {
+    Graph graph(first_estimates);
+    const Eigen::VectorXd three = Eigen::VectorXd::Constant(1, 3.0);
+    const VariableId old = graph.add_variable(three, nullptr, -1);
+    const VariableId x = graph.add_variable(three, nullptr, -1);
+    const VariableId y = graph.add_variable(three, nullptr, -1);
+    graph.add_factor({old, x}, std::make_unique<SquareCost>());
+    graph.add_factor({x, old}, std::make_unique<SquareCost>());
+    marginalise(graph, {old});
+    const FactorId beside = graph.add_factor({x, y}, std::make_unique<SquareCost>());
+    const FactorId apart = graph.add_factor({y, x}, std::make_unique<SquareCost>());
+    Step step;
+    step[x] = step[y] = SmallVector::Constant(1, 2.0);
+    graph.move(step);
+    graph.linearise();
+    EXPECT_DOUBLE_EQ(graph.factors().at(beside).J[0](0, 0), first_estimates ? 6.0 : 10.0);
+    EXPECT_DOUBLE_EQ(graph.factors().at(beside).r(0), 20.0);
+    EXPECT_DOUBLE_EQ(graph.factors().at(apart).J[0](0, 0), 10.0);
+  }
+}
+
+// Variables that rest in the far map while others leave, come back and are measured again.
+TEST(FarMap, ToRestAndToReturnChangesNothing) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Graph whole = linear_problem(seed), part = linear_problem(seed);
+    marginalise(part, {0}, {}, {}, {1});
+    marginalise(part, {2}, {}, {}, {5, 8});
+    marginalise(part, {3});
+    EXPECT_EQ(part.far().dim(), 9);
+
+    const std::vector<LinearForm> asked{{{1, 8, 9}, Eigen::MatrixXd::Identity(9, 9)}};
+    const Eigen::MatrixXd P = NormalEquations(whole).covariances(asked).front();
+    LinearForm form = asked.front();
+    Eigen::MatrixXd P_part = replace_far(part, form);
+    const std::vector<LinearForm> forms{form};
+    P_part += NormalEquations(part).covariances(forms).front();
+    // The order of a replaced form is that of its rows, which has not changed.
+    EXPECT_LT((P - P_part).norm(), 1e-10 * P.norm()) << "seed " << seed;
+
+    part.move(NormalEquations(part).step());
+    whole.move(NormalEquations(whole).step());
+    EXPECT_LT((part.value(5) - whole.value(5)).norm(), 1e-10);
+    part.bring_back({5, 1});
+    EXPECT_EQ(part.far().dim(), 3);
+    for (Graph* graph : {&whole, &part}) {
+      std::mt19937_64 engine(100 + seed);
+      graph->add_factor({1, 5}, std::make_unique<LinearCost>(engine));
+      graph->add_factor({5, 10}, std::make_unique<LinearCost>(engine));
+    }
+    part.rebase_prior();
+    marginalise(part, {4, 6});
+    part.move(NormalEquations(part).step());
+    whole.move(NormalEquations(whole).step());
+    for (const VariableId id : {1, 5, 7, 8, 9, 10, 11}) {
+      EXPECT_LT((part.value(id) - whole.value(id)).norm(), 1e-9) << "seed " << seed;
+    }
+  }
+}
+
+// x1 = F x0 + G n with an invertible Q = G G': the substitution against the factor Q^-1/2 (x1 - F
+// x0).
+TEST(Marginalise, AdvanceIsTheTimeUpdate) {
+  std::mt19937_64 engine(3);
+  std::normal_distribution<double> normal;
+  Matrix6d F = Matrix6d::Identity(), G = Matrix6d::Zero(), P0 = Matrix6d::Zero();
+  for (int i = 0; i < 36; ++i) {
+    F.data()[i] += 0.2 * normal(engine);
+    G.data()[i] = normal(engine);
+    P0.data()[i] = normal(engine);
+  }
+  P0 = P0 * P0.transpose() + Matrix6d::Identity();
+  Graph graph(false);
+  const VariableId y = graph.add_variable(Eigen::Vector3d::Zero(), nullptr, 1);
+  const VariableId w = graph.add_variable(Eigen::Vector3d::Zero(), nullptr, 1);
+  const Matrix6d root = P0.inverse().llt().matrixU();
+  graph.set_prior({y, w}, root, Eigen::VectorXd::Zero(6));
+  const VariableId n = graph.add_variable(Vector6d::Zero(), nullptr, 1);
+  graph.add_factor({n}, noise_prior_cost());
+  const Vector6d next = Vector6d::Constant(0.5);
+  marginalise(graph, {n}, {{y, w, n, F.inverse(), G, next}});
+  const std::vector<std::vector<VariableId>> both{{y, w}};
+  const Matrix6d P = NormalEquations(graph).covariances(both).front();
+  const Matrix6d expected = F * P0 * F.transpose() + G * G.transpose();
+  EXPECT_LT((P - expected).norm(), 1e-12 * expected.norm());
+  EXPECT_EQ(graph.value(y), SmallVector(next.head<3>()));
+}
+
+}  // namespace
+}  // namespace slammot
