@@ -3,7 +3,7 @@ import pathlib
 from dataclasses import dataclass
 
 from comparison import RUN_COLOURS, BadInput
-from study_tables import BOUND, cells_of
+from study_tables import BOUND, estimators_of
 
 FEWEST = 3  # landmarks that make a box
 
@@ -33,7 +33,7 @@ def finite(values):
 
 
 def colours(summary):
-    labels = dict.fromkeys(cell["label"] for _, cell in cells_of(summary) if cell["label"] != BOUND)
+    labels = dict.fromkeys(cell["label"] for _, cell in estimators_of(summary))
     return {label: RUN_COLOURS[i % len(RUN_COLOURS)] for i, label in enumerate(labels)}
 
 
@@ -181,13 +181,13 @@ def label_bar(axis, y, counts, named):
 
 def classification(plt, summary):
     rows = [(name, c) for name, c in drawn_cells(summary) if sum(c["static"]) or sum(c["moving"])]
-    figure, axes = plt.subplots(1, 2, figsize=(9.0, 0.6 + 0.32 * len(rows)), sharey=True)
+    figure, axes = plt.subplots(1, 2, figsize=(9.0, 1.0 + 0.32 * len(rows)), sharey=True)
     for axis, kind in zip(axes, ("static", "moving")):
         for i, (_, cell) in enumerate(rows):
             label_bar(axis, -i, cell[kind], named=i == 0)
         axis.set(title=f"truly {kind}", xlim=(0, 1), yticks=[-i for i in range(len(rows))])
         axis.set_yticklabels([f'{name}: {cell["label"]}' for name, cell in rows])
-    axes[1].legend(fontsize=8, loc="lower left")
+    axes[0].legend(fontsize=8, ncol=3, loc="upper left", bbox_to_anchor=(0.0, -0.16 - 0.3 / len(rows)))
     return figure, ("Labels", "Shares of right, wrong and undecided landmarks, over all runs.")
 
 

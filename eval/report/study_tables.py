@@ -61,13 +61,24 @@ def cells_of(summary):
             yield group, cell
 
 
-def finished(cell):
-    return cell["runs"] - len(cell["diverged"])
+def estimators_of(summary):
+    """Without the bounds, which estimate nothing."""
+    return [(group, cell) for group, cell in cells_of(summary) if cell["label"] != BOUND]
+
+
+def bound_row(group, cell):
+    """What is stated: the standard deviation of the position, root mean square over the frames."""
+    sigma = [s for s in cell.get("per_frame", {}).get("position_sigma_m", []) if s is not None]
+    stated = math.sqrt(sum(s * s for s in sigma) / len(sigma)) if sigma else None
+    return [group["name"], cell["label"], str(cell["runs"]), "–", "–", number(stated)] + ["–"] * 8
 
 
 def summary_table(summary):
     rows = []
     for group, cell in cells_of(summary):
+        if cell["label"] == BOUND:
+            rows.append(bound_row(group, cell))
+            continue
         anees = cell.get("anees", {})
         pose = anees.get("pose", {})
         bound = cell.get("rmse_over_bound", {}).get("position")
@@ -85,14 +96,15 @@ def summary_table(summary):
         "Summary",
         "Over all runs; brackets are 95% bootstrap intervals over runs. A run is diverged when its numbers are none any "
         "more, lost when its error once exceeds a metre and a tenth of the path. ANEES is averaged over frames too (6 and 3 are "
-        "right); inside: the part of the frames whose ANEES lies in its two-sided 95% interval. RMSE are of runs that did not diverge.",
+        "right); inside: the part of the frames whose ANEES lies in its two-sided 95% interval. RMSE are of runs that did not diverge. "
+        "A bound's row gives the standard deviation that no estimator can beat.",
         ["scenario", "estimator", "runs", "diverged", "lost", "position RMSE [m]", "over the bound", "rotation RMSE [deg]",
          "ANEES pose", "inside", "ANEES position", "NIS", "smoothed RMSE [m]", "frame [ms]"], rows)
 
 
 def consistency_table(summary):
     rows = []
-    for group, cell in cells_of(summary):
+    for group, cell in estimators_of(summary):
         for part, a in cell.get("anees", {}).items():
             if a["mean"] is not None:
                 rows.append([group["name"], cell["label"], part.replace("_", " "), str(a["dof"]), number(a["mean"]),
@@ -119,8 +131,8 @@ def classification_table(summary):
     reference = summary.get("reference")
     if reference:
         rows.append(counts_row("published", reference["label"], reference["static"], reference["moving"]))
-    for group, cell in cells_of(summary):
-        if "static" in cell and cell["label"] != BOUND:
+    for group, cell in estimators_of(summary):
+        if "static" in cell:
             rows.append(counts_row(group["name"], cell["label"], cell["static"], cell["moving"]))
             rows.append(counts_row(group["name"], f'{cell["label"]}, seen 10 times or more',
                                    cell["static_often_seen"], cell["moving_often_seen"]))
@@ -149,7 +161,7 @@ def pairs_table(summary):
 
 def coverage_table(summary):
     rows = []
-    for group, cell in cells_of(summary):
+    for group, cell in estimators_of(summary):
         coverage = cell.get("coverage")
         if not coverage:
             continue
