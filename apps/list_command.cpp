@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "slammot/apps/commands.h"
+#include "slammot/datasets/image_reader.h"
 #include "slammot/datasets/reader.h"
 #include "slammot/datasets/scenario.h"
 #include "slammot/eval/model_names.h"
@@ -28,7 +29,12 @@ constexpr Listing kListings[] = {
     {"motions", [] { print_table(motion_list()); }},
     {"classifiers", [] { print_table(classifier_list()); }},
     {"scenarios", [] { print_table(scenario_table()); }},
-    {"readers", [] { print_table(reader_table()); }},
+    {"readers",
+     [] {
+       print_table(reader_table());
+       fmt::print("of images, for `slammot track`:\n");
+       print_table(image_reader_table());
+     }},
 };
 
 }  // namespace

@@ -37,6 +37,16 @@ class Folder {
   Sha256 hash_;
 };
 
+Sequence settings_and_frames(Folder& folder, const std::filesystem::path& path) {
+  Sequence sequence;
+  sequence.folder = path;
+  const Source settings = folder.required(native::kSettings);
+  read_settings(settings.file, settings.text, sequence);
+  const Source frames = folder.required(native::kFrames);
+  read_frames(frames.file, frames.text, sequence);
+  return sequence;
+}
+
 Source observations_of(Folder& folder, const Sequence& sequence) {
   if (auto source = folder.optional(native::kObservations)) return std::move(*source);
   const std::string reason =
@@ -54,26 +64,37 @@ void read_truth(Folder& folder, Sequence& sequence) {
   sequence.exact_truth = poses && landmarks;  // only simulation knows every landmark
 }
 
+void read_first_camera(Folder& folder, Sequence& sequence) {
+  if (const auto initial = folder.optional(native::kInitial)) {
+    sequence.initial = read_initial(initial->file, initial->text);
+  }
+}
+
 }  // namespace
 
 Sequence read_native(const std::filesystem::path& path) {
   Folder folder(path);
-  Sequence sequence;
-  sequence.folder = path;
-  const Source settings = folder.required(native::kSettings);
-  read_settings(settings.file, settings.text, sequence);
-  const Source frames = folder.required(native::kFrames);
-  read_frames(frames.file, frames.text, sequence);
+  Sequence sequence = settings_and_frames(folder, path);
   const Source observations = observations_of(folder, sequence);
   read_observations(observations.file, observations.text, sequence.frames);
   read_truth(folder, sequence);
   if (const auto known = folder.optional(native::kKnown)) {
     sequence.known = read_known(known->file, known->text);
   }
-  if (const auto initial = folder.optional(native::kInitial)) {
-    sequence.initial = read_initial(initial->file, initial->text);
-  }
+  read_first_camera(folder, sequence);
   sequence.sha256 = folder.sha256();
+  return sequence;
+}
+
+Sequence read_native_images(const std::filesystem::path& path) {
+  Folder folder(path);
+  Sequence sequence = settings_and_frames(folder, path);
+  if (sequence.images.empty()) {
+    throw InputError(path / native::kFrames, 1, "there is no column 'image'");
+  }
+  const auto poses = folder.optional(native::kGroundTruth);
+  if (poses) sequence.truth = match_truth(read_poses(poses->file, poses->text), sequence.frames);
+  read_first_camera(folder, sequence);
   return sequence;
 }
 

@@ -12,6 +12,10 @@ namespace slammot {
 // Throws InputError for everything it refuses.
 Sequence read_native(const std::filesystem::path& folder);
 
+// The same before the front end has measured: frames with their images, camera, statements and
+// truth. What refers to tracks is not read.
+Sequence read_native_images(const std::filesystem::path& folder);
+
 // Whether the folder means to be one, right or wrong inside.
 bool is_native(const std::filesystem::path& folder);
 

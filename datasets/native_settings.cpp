@@ -6,14 +6,6 @@
 namespace slammot {
 namespace {
 
-YamlMap load(const std::filesystem::path& file, const std::string& text) {
-  try {
-    return {file, YAML::Load(text), "the file"};
-  } catch (const YAML::Exception& error) {
-    throw InputError(file, error.mark.line + 1, error.msg);
-  }
-}
-
 Camera read_camera(YamlMap map) {
   Camera camera;
   const std::string model = map.text("model");
@@ -62,7 +54,7 @@ void read_initial_sigmas(YamlMap map, InitialCamera& initial) {
 }  // namespace
 
 void read_settings(const std::filesystem::path& file, const std::string& text, Sequence& sequence) {
-  YamlMap map = load(file, text);
+  YamlMap map = load_yaml(file, text);
   if (map.text("format") != native::kFormat) {
     map.refuse(map.take("format"), fmt::format("'format' must be '{}'", native::kFormat));
   }
@@ -74,8 +66,12 @@ void read_settings(const std::filesystem::path& file, const std::string& text, S
   map.finish();
 }
 
+Camera read_camera_file(const std::filesystem::path& file, const std::string& text) {
+  return read_camera(load_yaml(file, text));
+}
+
 InitialCamera read_initial(const std::filesystem::path& file, const std::string& text) {
-  YamlMap map = load(file, text);
+  YamlMap map = load_yaml(file, text);
   InitialCamera initial;
   initial.state.position = map.vector<3>("position");
   const auto q = unit_quaternion(Eigen::Quaterniond(map.vector<4>("quaternion")));

@@ -1,6 +1,7 @@
 #include "slammot/datasets/reader.h"
 
 #include "slammot/datasets/author_reader.h"
+#include "slammot/datasets/image_reader.h"
 #include "slammot/datasets/native_reader.h"
 
 namespace slammot {
@@ -23,6 +24,11 @@ Sequence read_sequence(const std::filesystem::path& folder) {
     if (row.recognises(folder)) return row.read(folder);
     looked_for += (looked_for.empty() ? "" : "; nor ") + std::string(row.name) + ": " +
                   std::string(row.description);
+  }
+  if (const ImageReaderRow* images = find_image_reader(folder)) {
+    throw InputError(folder, 0,
+                     "images (" + std::string(images->name) + ") without measurements: " +
+                         "they must be tracked first, by `slammot track`");
   }
   throw InputError(folder, 0, "not a sequence: neither " + looked_for);
 }

@@ -42,6 +42,40 @@ std::vector<std::optional<CameraState>> match_truth(const std::vector<TimedPose>
   return truth;
 }
 
+namespace {
+
+CameraState between(const TimedPose& a, const TimedPose& b, double time) {
+  const double gap = b.timestamp - a.timestamp;
+  const double part = gap > 0.0 ? (time - a.timestamp) / gap : 0.0;
+  CameraState state;
+  state.position = a.position + part * (b.position - a.position);
+  state.orientation = a.orientation.slerp(part, b.orientation);
+  return state;
+}
+
+}  // namespace
+
+std::vector<std::optional<CameraState>> interpolate_truth(const std::vector<TimedPose>& poses,
+                                                          const std::vector<Frame>& frames) {
+  std::vector<std::optional<CameraState>> truth(frames.size());
+  const double tolerance =
+      median_interval(frames).value_or(std::numeric_limits<double>::infinity());
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const double time = frames[i].timestamp;
+    const auto after =
+        std::lower_bound(poses.begin(), poses.end(), time,
+                         [](const TimedPose& pose, double t) { return pose.timestamp < t; });
+    if (after == poses.end()) break;
+    const bool exactly = after->timestamp == time;
+    if (!exactly && after == poses.begin()) continue;
+    const TimedPose& before = exactly ? *after : *(after - 1);
+    if (after->timestamp - before.timestamp > tolerance) continue;
+    truth[i] = between(before, *after, time);
+  }
+  difference_velocities(frames, truth);
+  return truth;
+}
+
 void difference_velocities(const std::vector<Frame>& frames,
                            std::vector<std::optional<CameraState>>& truth) {
   const auto known = [&](size_t i) { return i < truth.size() && truth[i].has_value(); };

@@ -16,6 +16,12 @@ struct TimedPose {
 std::vector<std::optional<CameraState>> match_truth(const std::vector<TimedPose>& poses,
                                                     const std::vector<Frame>& frames);
 
+// The pose at the time of each frame, between the two recorded around it (linear, and along the
+// shortest turn), for truth that is denser than the frames; nothing where these are further apart
+// than a (median) frame. `poses` in increasing time.
+std::vector<std::optional<CameraState>> interpolate_truth(const std::vector<TimedPose>& poses,
+                                                          const std::vector<Frame>& frames);
+
 // Velocity (W) and angular velocity (C) by differences of the neighbouring poses, central where
 // there are two, zero where there is none.
 void difference_velocities(const std::vector<Frame>& frames,

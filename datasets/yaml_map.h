@@ -108,4 +108,13 @@ class YamlMap {
   std::set<std::string> asked_;
 };
 
+// A YAML file as a map; throws InputError with file and line for what is no YAML.
+inline YamlMap load_yaml(const std::filesystem::path& file, const std::string& text) {
+  try {
+    return {file, YAML::Load(text), "the file"};
+  } catch (const YAML::Exception& error) {
+    throw InputError(file, error.mark.line + 1, error.msg);
+  }
+}
+
 }  // namespace slammot
