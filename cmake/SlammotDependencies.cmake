@@ -6,6 +6,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(fmt REQUIRED)
 find_package(TBB REQUIRED)
 find_package(CLI11 REQUIRED)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs video calib3d videoio)
 
 # OpenBLAS by name: Debian's alternatives may point libblas at the slow reference implementation.
 find_library(OPENBLAS_LIBRARY NAMES openblas REQUIRED)

@@ -18,7 +18,7 @@ install(FILES ${PROJECT_BINARY_DIR}/slammotConfig.cmake
               ${PROJECT_BINARY_DIR}/slammotConfigVersion.cmake
         DESTINATION ${SLAMMOT_CMAKE_DIR})
 
-foreach(folder models filters smoothers datasets eval)
+foreach(folder models filters smoothers datasets frontend eval)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/
           DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slammot/${folder}
           FILES_MATCHING PATTERN "*.h")

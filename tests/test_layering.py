@@ -14,8 +14,9 @@ MAY_KNOW = {
     "filters": {"filters", "models"},
     "smoothers": {"smoothers", "models"},
     "datasets": {"datasets", "models"},
+    "frontend": {"frontend", "datasets", "models"},
     "eval": {"eval", "datasets", "models"},
-    "apps": {"apps", "eval", "datasets", "models"},
+    "apps": {"apps", "eval", "frontend", "datasets", "models"},
 }
 
 # The one place that maps names to estimators, and the one that parses their options.
@@ -27,7 +28,7 @@ EXCEPTIONS = {
 # Libraries that only some folders may know.
 LIBRARIES = {
     "ceres/": {"smoothers"},
-    "opencv2/": {"datasets"},
+    "opencv2/": {"frontend"},
 }
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
@@ -79,6 +80,8 @@ class Layering(unittest.TestCase):
             ("filters/ekf.cpp", '#include "../smoothers/window.h"'),
             ("filters/ekf.cpp", '#include <ceres/ceres.h>'),
             ("models/camera.cpp", '#include <opencv2/core.hpp>'),
+            ("datasets/reader.cpp", '#include <opencv2/core.hpp>'),
+            ("eval/metrics.h", '#include "slammot/frontend/tracker.h"'),
         ]:
             with self.subTest(path=path, line=line):
                 self.assertEqual(len(faults_in(path, f"#pragma once\n{line}\n")), 1)

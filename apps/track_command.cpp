@@ -1,0 +1,118 @@
+// slammot track IMAGES: from images to a native sequence with measurements.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+#include <memory>
+
+#include "slammot/apps/command_line.h"
+#include "slammot/apps/commands.h"
+#include "slammot/apps/progress.h"
+#include "slammot/datasets/image_reader.h"
+#include "slammot/datasets/native_settings.h"
+#include "slammot/datasets/native_writer.h"
+#include "slammot/datasets/text_table.h"
+#include "slammot/frontend/track_images.h"
+
+namespace slammot {
+namespace {
+
+using Path = std::filesystem::path;
+
+struct TrackArguments {
+  std::string images;
+  std::string output;
+  std::string camera;
+  std::string chessboard;
+  TrackOptions options;
+};
+
+// As seen from the folder that is written.
+void relocate_images(const Path& output, Sequence& sequence) {
+  const Path from = std::filesystem::weakly_canonical(sequence.folder);
+  const Path to = std::filesystem::weakly_canonical(output);
+  const Path step = from.lexically_relative(to);
+  for (std::string& image : sequence.images) image = (step / image).lexically_normal().string();
+}
+
+std::string noise_text(const TrackedImages& tracked) {
+  if (!tracked.noise) {
+    return fmt::format("{} px as stated; too few tracks to measure it",
+                       tracked.sequence.pixel_sigma);
+  }
+  return fmt::format(
+      "{:.4g} px, RMS Sampson distance within 3 sigma of a fundamental matrix, median over {} "
+      "pairs "
+      "of frames {} apart",
+      tracked.noise->sigma, tracked.noise->pairs, tracked.noise->lag);
+}
+
+// How the measurements were made: track.yaml, for people.
+void write_description(const TrackArguments& arguments, const TrackedImages& tracked) {
+  std::ofstream out(Path(arguments.output) / "track.yaml", std::ios::binary);
+  out.exceptions(std::ios::badbit | std::ios::failbit);
+  out << fmt::format(
+      "version: {}\ncommand: \"{}\"\nframes: {}\nframes_skipped: {}\ntracks: {}\n"
+      "pixel_sigma: \"{}\"\n",
+      SLAMMOT_VERSION, command_line(), tracked.sequence.frames.size(), tracked.skipped.size(),
+      tracked.tracks, noise_text(tracked));
+}
+
+int execute(TrackArguments arguments) {
+  if (!arguments.chessboard.empty()) {
+    arguments.options.chessboard = parse_chessboard(arguments.chessboard);
+  }
+  Sequence images = read_images(arguments.images);
+  if (!arguments.camera.empty()) {
+    images.camera = read_camera_file(arguments.camera, read_text_file(arguments.camera));
+  }
+  Progress progress;
+  arguments.options.progress = [&](int done, int total) { progress.show("track", done, total); };
+  const auto start = std::chrono::steady_clock::now();
+  TrackedImages tracked = track_images(images, arguments.options);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  progress.clear();
+  relocate_images(arguments.output, tracked.sequence);
+  write_native(tracked.sequence, arguments.output);
+  write_description(arguments, tracked);
+  for (const std::string& reason : tracked.skipped) fmt::print("skipped: {}\n", reason);
+  const auto frames = static_cast<double>(tracked.sequence.frames.size());
+  fmt::print("{}: {} frames, {} skipped, {} tracks, {:.1f} frames/s\npixel_sigma {}\n{}\n",
+             tracked.sequence.name, frames, tracked.skipped.size(), tracked.tracks,
+             frames / seconds, noise_text(tracked), arguments.output);
+  return 0;
+}
+
+}  // namespace
+
+void add_track(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<TrackArguments>();
+  TrackOptions& options = arguments->options;
+  CLI::App* command =
+      app.add_subcommand("track", "images to measurements: corners found and followed");
+  command->add_option("IMAGES", arguments->images, "folder with the images, see `list readers`")
+      ->required();
+  command->add_option("--output", arguments->output, "folder to write")
+      ->type_name("SEQUENCE")
+      ->required();
+  command->add_option("--camera", arguments->camera, "the camera, instead of the sequence's own")
+      ->type_name("FILE.yaml");
+  command
+      ->add_option("--chessboard", arguments->chessboard,
+                   "board in the first image: inner corners and pitch [m]; fixes the scale")
+      ->type_name("COLSxROWS,PITCH");
+  command->add_option("--points", options.tracker.corners.count, "corners looked for in an image")
+      ->check(CLI::Range(8, 10000))
+      ->capture_default_str();
+  command->add_flag("--skip-bad-frames", options.skip_bad_frames,
+                    "leave out images that cannot be used, and count them");
+  command->add_flag("--mixed-colours", options.mixed_colours,
+                    "take grey images among colour ones, as writers make of those without colour");
+  command->add_option("--threads", options.threads, "0: as many as there are cores")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
+}
+
+}  // namespace slammot

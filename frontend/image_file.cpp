@@ -1,0 +1,68 @@
+#include "slammot/frontend/image_file.h"
+
+#include <fmt/format.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string_view>
+
+#include "slammot/datasets/sequence.h"
+#include "slammot/datasets/text_table.h"
+
+namespace slammot {
+namespace {
+
+using namespace std::string_view_literals;
+
+// A decoder may fill up what is missing with grey and only mutter: so the end is looked for first.
+// Some writers pad a file, hence not the very last bytes.
+bool is_truncated(std::string_view bytes) {
+  constexpr size_t kPadding = 512;
+  const std::string_view tail =
+      bytes.size() > kPadding ? bytes.substr(bytes.size() - kPadding) : bytes;
+  if (bytes.starts_with("\xFF\xD8"sv)) return tail.find("\xFF\xD9"sv) == tail.npos;
+  if (bytes.starts_with("\x89PNG"sv)) return tail.find("IEND\xAE\x42\x60\x82"sv) == tail.npos;
+  return false;
+}
+
+const char* colour_name(int channels) { return channels == 1 ? "grey" : "colour"; }
+
+}  // namespace
+
+cv::Mat decode_image(const std::filesystem::path& file) {
+  const std::string bytes = read_text_file(file);
+  if (bytes.empty()) throw InputError(file, 0, "the image is empty");
+  if (is_truncated(bytes)) throw InputError(file, 0, "the image is truncated");
+  cv::Mat image;
+  try {
+    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U,
+                         const_cast<char*>(bytes.data()));  // only read
+    image = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+    if (!image.empty() && image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2BGR);
+  } catch (const cv::Exception&) {
+    image.release();
+  }
+  if (image.empty()) throw InputError(file, 0, "is truncated or no image");
+  if (image.depth() != CV_8U) throw InputError(file, 0, "the image does not have 8 bits a channel");
+  return image;
+}
+
+cv::Mat ImageSource::read(const std::filesystem::path& file) {
+  cv::Mat image = decode_image(file);
+  if (size_.area() == 0) size_ = image.size();
+  if (image.size() != size_) {
+    throw InputError(file, 0,
+                     fmt::format("the image is {}x{}, not {}x{}", image.cols, image.rows,
+                                 size_.width, size_.height));
+  }
+  if (!channels_) channels_ = image.channels();
+  if (image.channels() != *channels_ && !mixed_colours_) {
+    throw InputError(file, 0,
+                     fmt::format("the image is {}, those before it are {}",
+                                 colour_name(image.channels()), colour_name(*channels_)));
+  }
+  if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
+  return image;
+}
+
+}  // namespace slammot
