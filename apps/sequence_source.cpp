@@ -4,17 +4,20 @@
 
 #include "slammot/datasets/native_writer.h"
 #include "slammot/datasets/reader.h"
-#include "slammot/datasets/scenario.h"
 
 namespace slammot {
 
-Sequence simulate_to(const ScenarioOptions& options, const std::filesystem::path& folder) {
+ScenarioOverrides overrides_of(const ScenarioOptions& options) {
   ScenarioOverrides overrides;
   for (const std::string& text : options.settings) {
     const Assignment assignment = parse_assignment(text);
     overrides[assignment.key] = assignment.value;
   }
-  write_native(simulate(options.scenario, overrides, options.seed), folder);
+  return overrides;
+}
+
+Sequence simulate_to(const ScenarioOptions& options, const std::filesystem::path& folder) {
+  write_native(simulate(options.scenario, overrides_of(options), options.seed), folder);
   return read_sequence(folder);
 }
 

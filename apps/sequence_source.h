@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "slammot/datasets/sequence.h"
+#include "slammot/datasets/scenario.h"
 #include "slammot/eval/configuration.h"
 
 namespace slammot {
@@ -18,6 +18,9 @@ struct ScenarioOptions {
   std::uint64_t seed = 1;
   std::vector<std::string> settings;
 };
+
+// `settings` as keys and values.
+ScenarioOverrides overrides_of(const ScenarioOptions& options);
 
 // Simulates, writes the sequence to `folder` and reads it back, so that what is run is what is
 // stored.

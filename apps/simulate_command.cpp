@@ -5,7 +5,9 @@
 
 #include "slammot/apps/commands.h"
 #include "slammot/apps/sequence_source.h"
+#include "slammot/datasets/parameters.h"
 #include "slammot/datasets/scenario.h"
+#include "slammot/frontend/render.h"
 
 namespace slammot {
 namespace {
@@ -13,20 +15,46 @@ namespace {
 struct SimulateArguments {
   ScenarioOptions scenario;
   std::string output;
+  bool render = false;
 };
 
-std::string parameters_help() {
-  std::string text = "Parameters of the scenarios (default), for --set:\n";
-  for (const ScenarioRow& row : scenario_table()) {
-    text += fmt::format("{}: {}\n", row.name, row.description);
-    for (const ScenarioParameter& parameter : row.parameters()) {
-      text += fmt::format("  {:<28} {} ({})\n", parameter.name, parameter.help, parameter.value);
-    }
+constexpr char kRoom[] = "room";  // the one scene with surfaces
+
+std::string scenario_help(std::string_view name, std::string_view description,
+                          const std::vector<ScenarioParameter>& parameters) {
+  std::string text = fmt::format("{}: {}\n", name, description);
+  for (const ScenarioParameter& parameter : parameters) {
+    text += fmt::format("  {:<28} {} ({})\n", parameter.name, parameter.help, parameter.value);
   }
   return text;
 }
 
+std::string parameters_help() {
+  std::string text = "Parameters of the scenarios (default), for --set:\n";
+  for (const ScenarioRow& row : scenario_table()) {
+    text += scenario_help(row.name, row.description, row.parameters());
+  }
+  RoomOptions room;
+  return text + scenario_help(kRoom, "with --render: textured walls and boxes, some of them moving",
+                              describe(parameters(room)));
+}
+
+// Images only; `slammot track` makes the measurements and their truth.
+void render_images(const SimulateArguments& arguments) {
+  const std::string& scenario = arguments.scenario.scenario;
+  if (!scenario.empty() && scenario != kRoom) {
+    throw std::invalid_argument(fmt::format(
+        "scenario '{}' has points, no surfaces: only '{}' can be rendered", scenario, kRoom));
+  }
+  const Sequence sequence =
+      write_room(overrides_of(arguments.scenario), arguments.scenario.seed, arguments.output);
+  fmt::print("{}: {} images, seed {}\n{}\n", sequence.name, sequence.frames.size(),
+             arguments.scenario.seed, arguments.output);
+}
+
 void execute(const SimulateArguments& arguments) {
+  if (arguments.render) return render_images(arguments);
+  if (arguments.scenario.scenario.empty()) throw std::invalid_argument("which SCENARIO?");
   const Sequence sequence = simulate_to(arguments.scenario, arguments.output);
   fmt::print("{}: {} frames, {} landmarks, seed {}\n{}\n", sequence.name, sequence.frames.size(),
              sequence.landmarks.size(), arguments.scenario.seed, arguments.output);
@@ -37,8 +65,9 @@ void execute(const SimulateArguments& arguments) {
 void add_simulate(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SimulateArguments>();
   CLI::App* command = app.add_subcommand("simulate", "write a simulated sequence");
-  command->add_option("SCENARIO", arguments->scenario.scenario, "see `slammot list scenarios`")
-      ->required();
+  command->add_option("SCENARIO", arguments->scenario.scenario, "see `slammot list scenarios`");
+  command->add_flag("--render", arguments->render,
+                    "images of a textured room, for `slammot track`");
   command->add_option("--seed", arguments->scenario.seed)->capture_default_str();
   command->add_option("--set", arguments->scenario.settings, "one parameter; may be repeated")
       ->type_name("KEY=VALUE")

@@ -12,6 +12,7 @@
 #include "slammot/datasets/native_settings.h"
 #include "slammot/datasets/native_writer.h"
 #include "slammot/datasets/text_table.h"
+#include "slammot/frontend/render.h"
 #include "slammot/frontend/track_images.h"
 
 namespace slammot {
@@ -29,8 +30,11 @@ struct TrackArguments {
 
 // As seen from the folder that is written.
 void relocate_images(const Path& output, Sequence& sequence) {
-  const Path from = std::filesystem::weakly_canonical(sequence.folder);
-  const Path to = std::filesystem::weakly_canonical(output);
+  // Absolute first: what does not exist yet would stay relative.
+  const auto whole = [](const Path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path));
+  };
+  const Path from = whole(sequence.folder), to = whole(output);
   const Path step = from.lexically_relative(to);
   for (std::string& image : sequence.images) image = (step / image).lexically_normal().string();
 }
@@ -41,9 +45,8 @@ std::string noise_text(const TrackedImages& tracked) {
                        tracked.sequence.pixel_sigma);
   }
   return fmt::format(
-      "{:.4g} px, RMS Sampson distance within 3 sigma of a fundamental matrix, median over {} "
-      "pairs "
-      "of frames {} apart",
+      "{:.4g} px, q75 of the Sampson distance to a fundamental matrix / 1.150, median over {} "
+      "pairs of frames {} apart",
       tracked.noise->sigma, tracked.noise->pairs, tracked.noise->lag);
 }
 
@@ -73,6 +76,7 @@ int execute(TrackArguments arguments) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   progress.clear();
+  add_room_truth(arguments.images, tracked.sequence);
   relocate_images(arguments.output, tracked.sequence);
   write_native(tracked.sequence, arguments.output);
   write_description(arguments, tracked);

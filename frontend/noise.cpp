@@ -8,11 +8,11 @@ namespace slammot {
 namespace {
 
 constexpr size_t kLeastPoints = 20;
-constexpr double kNormalMedian = 1.4826;    // sigma over the median of |d|
-constexpr double kCut = 3.0;                // [sigma] beyond it a point moves
-constexpr double kVarianceInside = 0.9733;  // of a normal distribution cut there
-constexpr double kParameters = 7.0;         // of a fundamental matrix
-constexpr int kRounds = 10;
+constexpr double kNormalMedian = 1.4826;  // sigma over the median of |d|
+constexpr double kCut = 3.0;              // [sigma] beyond it a point moves
+constexpr double kNormal75 = 1.1503;      // |d| that holds three quarters, in sigmas
+constexpr double kParameters = 7.0;       // of a fundamental matrix
+constexpr int kRounds = 5;
 constexpr int kMostPairs = 200;  // spread over the sequence; more tell nothing new
 
 double quantile(std::vector<double> values, double part) {
@@ -91,20 +91,17 @@ std::optional<double> pair_sigma(const Matches& m) {
   std::vector<double> d =
       distances(cv::findFundamentalMat(m.from, m.to, cv::FM_LMEDS, 1.0, 0.999), m);
   if (d.empty()) return std::nullopt;
-  double sigma = kNormalMedian * quantile(d, 0.5);
+  const double count = static_cast<double>(d.size());
+  const double freedom = std::sqrt(count / (count - kParameters));
+  double sigma = freedom * kNormalMedian * quantile(d, 0.5);
   for (int round = 0; round < kRounds; ++round) {
     const Matches inliers = nearer_than(kCut * sigma, d, m);
     if (inliers.from.size() < kLeastPoints) return std::nullopt;
     d = distances(cv::findFundamentalMat(inliers.from, inliers.to, cv::FM_8POINT), m);
-    double squares = 0.0, count = 0.0;
-    for (const double distance : d) {
-      if (!(distance < kCut * sigma)) continue;
-      squares += distance * distance;
-      ++count;
-    }
-    if (count <= kParameters) return std::nullopt;
-    sigma = std::sqrt(squares / (count - kParameters) / kVarianceInside);
+    if (d.empty()) return std::nullopt;
+    sigma = freedom * kNormalMedian * quantile(d, 0.5);
   }
+  sigma = freedom * quantile(d, 0.75) / kNormal75;
   return std::isfinite(sigma) ? std::optional(sigma) : std::nullopt;
 }
 

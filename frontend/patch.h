@@ -20,7 +20,7 @@ struct Warp {
 
 class Patch {
  public:
-  static constexpr int kHalf = 8;
+  static constexpr int kHalf = 6;
   static constexpr int kSide = 2 * kHalf + 1;
   static constexpr int kArea = kSide * kSide;
 

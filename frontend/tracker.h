@@ -22,7 +22,7 @@ struct TrackerOptions {
   int window = 21;                 // of Lucas-Kanade [px]
   int levels = 4;                  // of the pyramid, above the image
   double forward_backward = 1.0;   // [px] a track that does not come back to within this ends
-  double least_correlation = 0.8;  // with the first patch, else the track ends
+  double least_correlation = 0.9;  // with the first patch, else the track ends
   double most_correction = 3.0;    // [px] between the two stages; further is another corner
 };
 

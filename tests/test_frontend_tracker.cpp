@@ -109,7 +109,9 @@ TEST(Tracker, CornersAreSpreadAndTrackNumbersNeverReturn) {
   }
 }
 
-// Points in space before two cameras, a quarter of them moving, with a noise that is known.
+// Points in space before a moving camera, a fifth of them moving, with a noise that is known. Three
+// quarters of all are then 94% of those at rest: at most the quotient of these quantiles, 1.863
+// / 1.150, too much.
 TEST(Noise, IsMeasuredAmongMovingPoints) {
   for (const double sigma : {0.1, 0.5}) {
     std::mt19937_64 engine(7);
@@ -136,8 +138,9 @@ TEST(Noise, IsMeasuredAmongMovingPoints) {
     }
     const auto noise = measure_noise(sequence);
     ASSERT_TRUE(noise);
-    EXPECT_GT(noise->sigma, 0.8 * sigma);
-    EXPECT_LT(noise->sigma, 1.6 * sigma);
+    constexpr double kMost = 1.863 / 1.150;
+    EXPECT_GT(noise->sigma, 0.9 * sigma);
+    EXPECT_LT(noise->sigma, 1.1 * kMost * sigma);
   }
 }
 
