@@ -25,6 +25,7 @@ struct TrackArguments {
   std::string output;
   std::string camera;
   std::string chessboard;
+  std::optional<double> velocity_sigma;  // [m/s]
   TrackOptions options;
 };
 
@@ -48,6 +49,20 @@ std::string noise_text(const TrackedImages& tracked) {
       "{:.4g} px, q75 of the Sampson distance to a fundamental matrix / 1.150, median over {} "
       "pairs of frames {} apart",
       tracked.noise->sigma, tracked.noise->pairs, tracked.noise->lag);
+}
+
+// The first true camera, its velocity with this sigma: what an odometer would tell. It fixes the
+// scale where no board does. Nothing is made of a truth that is not there.
+void state_velocity(double sigma, Sequence& sequence) {
+  if (sequence.truth.empty() || !sequence.truth.front()) {
+    throw InputError(sequence.folder, 0,
+                     "the first frame has no true pose to take a velocity from");
+  }
+  InitialCamera initial;
+  initial.state = *sequence.truth.front();
+  initial.velocity_sigma = sigma;
+  initial.angular_velocity_sigma = 0.1;
+  sequence.initial = initial;
 }
 
 // How the measurements were made: track.yaml, for people.
@@ -76,6 +91,7 @@ int execute(TrackArguments arguments) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   progress.clear();
+  if (arguments.velocity_sigma) state_velocity(*arguments.velocity_sigma, tracked.sequence);
   add_room_truth(arguments.images, tracked.sequence);
   relocate_images(arguments.output, tracked.sequence);
   write_native(tracked.sequence, arguments.output);
@@ -106,6 +122,12 @@ void add_track(CLI::App& app, int& exit_code) {
       ->add_option("--chessboard", arguments->chessboard,
                    "board in the first image: inner corners and pitch [m]; fixes the scale")
       ->type_name("COLSxROWS,PITCH");
+  command
+      ->add_option("--velocity-sigma", arguments->velocity_sigma,
+                   "state the first velocity as the truth has it, with this sigma [m/s]; fixes the "
+                   "scale as an odometer does")
+      ->check(CLI::PositiveNumber)
+      ->excludes("--chessboard");
   command->add_option("--points", options.tracker.corners.count, "corners looked for in an image")
       ->check(CLI::Range(8, 10000))
       ->capture_default_str();
