@@ -13,6 +13,7 @@ void add_report(CLI::App& app, int& exit_code);
 void add_run(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_track(CLI::App& app, int& exit_code);
+void add_draw(CLI::App& app, int& exit_code);
 void add_evaluate(CLI::App& app, int& exit_code);
 void add_list(CLI::App& app, int& exit_code);
 

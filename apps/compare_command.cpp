@@ -7,6 +7,7 @@
 #include "slammot/apps/command_line.h"
 #include "slammot/apps/commands.h"
 #include "slammot/apps/configuration_options.h"
+#include "slammot/apps/draw_run.h"
 #include "slammot/apps/progress.h"
 #include "slammot/apps/sequence_source.h"
 #include "slammot/datasets/reader.h"
@@ -25,6 +26,7 @@ struct CompareArguments {
   std::vector<std::string> landmarks = {"dynamic_inverse_depth", "scaled_velocity"};
   ScenarioOptions scenario;
   ConfigurationOptions configuration;
+  bool pictures = false;
 };
 
 std::filesystem::path output_folder(const CompareArguments& arguments) {
@@ -51,6 +53,17 @@ Sequence obtain(const CompareArguments& arguments, const std::filesystem::path& 
   fmt::print("simulating scenario {}, seed {}\n", arguments.scenario.scenario,
              arguments.scenario.seed);
   return simulate_to(arguments.scenario, output / "sequence");
+}
+
+// The report takes them from each run's folder.
+void draw_all(const std::vector<ComparedResult>& results, const Sequence& sequence,
+              const std::filesystem::path& output, Progress& progress) {
+  for (const ComparedResult& result : results) {
+    const auto run = output / result.label;
+    draw_run(run, sequence, run / "pictures", [&](int done, int total) {
+      progress.show("pictures of " + result.label, done, total);
+    });
+  }
 }
 
 int finish(const std::vector<ComparedResult>& results, const std::filesystem::path& output) {
@@ -83,12 +96,14 @@ int execute(CompareArguments arguments) {
   CompareOptions options;
   options.output = output;
   options.command = command_line();
+  options.landmarks_every_frame = arguments.pictures;
   if (arguments.sequence.empty()) options.seed = arguments.scenario.seed;
   options.progress = [&](const std::string& label, int done, int total) {
     progress.show(label, done, total);
   };
   const auto results =
       compare(sequence, configuration, crossed(arguments.estimators, landmarks), options);
+  if (arguments.pictures) draw_all(results, sequence, output, progress);
   progress.clear();
   return finish(results, output);
 }
@@ -121,6 +136,8 @@ void add_compare(CLI::App& app, int& exit_code) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
       ->excludes(sequence);
+  command->add_flag("--pictures", arguments->pictures,
+                    "of every frame, as PNG and as a film, and in the report; wants images");
   add_configuration_options(*command, arguments->configuration);
   command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
 }

@@ -51,6 +51,7 @@ int main(int argc, char** argv) {
   slammot::add_report(app, exit_code);
   slammot::add_simulate(app, exit_code);
   slammot::add_track(app, exit_code);
+  slammot::add_draw(app, exit_code);
   slammot::add_evaluate(app, exit_code);
   slammot::add_list(app, exit_code);
   return parse_and_run(app, argc, argv, exit_code);

@@ -133,6 +133,8 @@ void add_track(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command->add_flag("--skip-bad-frames", options.skip_bad_frames,
                     "leave out images that cannot be used, and count them");
+  command->add_flag("--moving-start", options.moving_start,
+                    "the first image may show what moves: no measurements of it but of the board");
   command->add_flag("--mixed-colours", options.mixed_colours,
                     "take grey images among colour ones, as writers make of those without colour");
   command->add_option("--threads", options.threads, "0: as many as there are cores")

@@ -71,21 +71,32 @@ void read_covariances(const Path& file, std::vector<CameraEstimate>& cameras) {
   }
 }
 
+}  // namespace
+
+std::vector<LandmarkRecord> read_landmark_rows(const Path& file) {
+  std::vector<LandmarkRecord> records;
+  if (!std::filesystem::exists(file)) return records;
+  for (const TableRow& row : read_table(file, ',', 21, true)) {
+    LandmarkRecord record;
+    record.estimate.track = integer_field(file, row, 0);
+    record.frame = integer_field(file, row, 1);
+    record.estimate.label = label_at(file, row, 2);
+    record.estimate.position = vector_at(file, row, 3, true);
+    record.estimate.velocity = vector_at(file, row, 6, true);
+    record.estimate.position_covariance = from_upper_triangle<3>(file, row, 9);
+    record.estimate.velocity_covariance = from_upper_triangle<3>(file, row, 15);
+    records.push_back(record);
+  }
+  return records;
+}
+
+namespace {
+
 // Of several rows of a track (`--landmarks every-frame`) the last is its final state.
 std::vector<LandmarkRecord> read_landmarks(const Path& file) {
   std::map<int, LandmarkRecord> last;
-  if (std::filesystem::exists(file)) {
-    for (const TableRow& row : read_table(file, ',', 21, true)) {
-      LandmarkRecord record;
-      record.estimate.track = integer_field(file, row, 0);
-      record.frame = integer_field(file, row, 1);
-      record.estimate.label = label_at(file, row, 2);
-      record.estimate.position = vector_at(file, row, 3, true);
-      record.estimate.velocity = vector_at(file, row, 6, true);
-      record.estimate.position_covariance = from_upper_triangle<3>(file, row, 9);
-      record.estimate.velocity_covariance = from_upper_triangle<3>(file, row, 15);
-      last[record.estimate.track] = record;
-    }
+  for (const LandmarkRecord& record : read_landmark_rows(file)) {
+    last[record.estimate.track] = record;
   }
   std::vector<LandmarkRecord> records;
   for (const auto& [track, record] : last) records.push_back(record);

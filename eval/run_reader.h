@@ -23,4 +23,7 @@ struct StoredRun {
 
 StoredRun read_run(const std::filesystem::path& folder);
 
+// All rows of a landmarks.csv, in their order; none if there is no such file.
+std::vector<LandmarkRecord> read_landmark_rows(const std::filesystem::path& file);
+
 }  // namespace slammot

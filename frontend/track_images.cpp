@@ -66,6 +66,13 @@ void refuse_missing(const Sequence& images) {
                    fmt::format("frame {} of {} is missing", frame, present.size()));
 }
 
+// Estimators take the landmarks of the first frame as static. Where that is no fair promise, only
+// what is known of it is measured there, and the rest is new in the second frame.
+void keep_known_only(size_t seeds, Frame& first) {
+  std::erase_if(first.observations,
+                [&](const Observation& z) { return static_cast<size_t>(z.track) >= seeds; });
+}
+
 // The board's outer corners become tracks 0 to 3, and these become known.
 BoardView seed_chessboard(const cv::Mat& image, const std::string& file, const Chessboard& board,
                           const Sequence& sequence, Tracker& tracker) {
@@ -137,6 +144,9 @@ void track_all(const Sequence& images, const TrackOptions& options, TrackedImage
     }
   }
   if (sequence.frames.empty()) throw InputError(images.folder, 0, "no image can be read");
+  if (options.moving_start) {
+    keep_known_only(board ? outer_corners(*options.chessboard).size() : 0, sequence.frames.front());
+  }
   if (board) state_chessboard(*board, *options.chessboard, sequence);
 }
 

@@ -15,10 +15,11 @@ namespace slammot {
 
 struct TrackOptions {
   TrackerOptions tracker;
-  std::optional<Chessboard> chessboard;               // in the first image
-  bool skip_bad_frames = false;                       // leave them out instead of throwing
-  bool mixed_colours = false;                         // take grey images among colour ones
-  int threads = 0;                                    // 0: as many as there are cores
+  std::optional<Chessboard> chessboard;  // in the first image
+  bool skip_bad_frames = false;          // leave them out instead of throwing
+  bool moving_start = false;             // leave out what the first image shows beside the board
+  bool mixed_colours = false;            // take grey images among colour ones
+  int threads = 0;                       // 0: as many as there are cores
   std::function<void(int done, int total)> progress;  // after each image; may be empty
 };
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
 
 #include "slammot/datasets/native_reader.h"
 #include "slammot/tests/test_eval_fixture.h"
@@ -53,9 +54,12 @@ class Images : public ::testing::Test {
   Path image(int i) const { return sequence() / name(i); }
 
   int track(const std::string& more = "") {
-    const std::string command = std::string("'") + SLAMMOT_BINARY + "' track '" +
-                                sequence().string() + "' --output '" + output().string() + "' " +
-                                more + " >'" + (folder_.path() / "out").string() + "' 2>'" +
+    return slammot("track '" + sequence().string() + "' --output '" + output().string() + "' " +
+                   more);
+  }
+  int slammot(const std::string& arguments) {
+    const std::string command = std::string("'") + SLAMMOT_BINARY + "' " + arguments + " >'" +
+                                (folder_.path() / "out").string() + "' 2>'" +
                                 (folder_.path() / "error").string() + "'";
     const int status = std::system(command.c_str());
     out_ = test::read_text(folder_.path() / "out");
@@ -157,6 +161,46 @@ TEST_F(Images, NoChessboard) {
   EXPECT_EQ(track("--chessboard 9x6,0.04"), 2);
   EXPECT_NE(error_.find("no chessboard"), std::string::npos) << error_;
   EXPECT_EQ(track("--chessboard 9by6"), 2);
+}
+
+TEST_F(Images, AMovingStartHasNoMeasurements) {
+  ASSERT_EQ(track("--moving-start"), 0) << error_;
+  const Sequence tracked = read_native(output());
+  EXPECT_TRUE(tracked.frames[0].observations.empty());
+  EXPECT_FALSE(tracked.frames[1].observations.empty());
+}
+
+TEST_F(Images, VelocityOfATruthThatIsNotThere) {
+  EXPECT_EQ(track("--velocity-sigma 0.1"), 2);
+  EXPECT_NE(error_.find("no true pose"), std::string::npos) << error_;
+}
+
+TEST_F(Images, ARunIsDrawnOverThem) {
+  ASSERT_EQ(track(), 0);
+  const std::string run = "run '" + output().string() + "' --estimator ekf --output '" +
+                          (folder_.path() / "run").string() + "' ";
+  const std::string draw = "draw '" + (folder_.path() / "run").string() + "'";
+  ASSERT_EQ(slammot(run), 0) << error_;
+  EXPECT_EQ(slammot(draw), 2);
+  EXPECT_NE(error_.find("every-frame"), std::string::npos) << error_;
+  ASSERT_EQ(slammot(run + "--landmarks every-frame"), 0) << error_;
+  ASSERT_EQ(slammot(draw), 0) << error_;
+  const Path pictures = folder_.path() / "run" / "pictures";
+  cv::VideoCapture film((pictures / "film.mp4").string());
+  int frames = 0;
+  for (cv::Mat picture; film.read(picture); ++frames) EXPECT_GT(picture.cols, 2 * 160);
+  EXPECT_EQ(frames, kCount);
+  const cv::Mat last = cv::imread((pictures / "frames" / "000005.png").string());
+  ASSERT_FALSE(last.empty());
+  // All its landmarks are static: there is blue on the grey image, and no red.
+  cv::Mat blue, red;
+  cv::inRange(last, cv::Scalar(200, 0, 0), cv::Scalar(255, 100, 80), blue);
+  cv::inRange(last, cv::Scalar(0, 0, 200), cv::Scalar(80, 80, 255), red);
+  EXPECT_GT(cv::countNonZero(blue), 20);
+  EXPECT_EQ(cv::countNonZero(red), 0);
+  std::filesystem::remove(image(3));
+  EXPECT_EQ(slammot(draw), 2);
+  EXPECT_NE(error_.find(name(3) + ":0: no such file"), std::string::npos) << error_;
 }
 
 }  // namespace

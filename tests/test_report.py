@@ -3,6 +3,7 @@ empty, nothing undefined shown, and whatever may be absent is allowed to be abse
 
 `test_report.py --keep DIR` leaves the page and a screenshot of it in DIR.
 """
+import base64
 import copy
 import html.parser
 import json
@@ -265,6 +266,17 @@ class Report(unittest.TestCase):
         run["series"] = {name: [] if isinstance(values, list) else values
                          for name, values in run["series"].items()}
         self.text_of_report()
+
+    def test_pictures_are_carried_in_the_page(self):
+        label = self.comparison["runs"][0]["label"]
+        self.assertNotIn("Frame by frame", self.text_of_report())
+        slider = self.output / label / "pictures" / "slider"
+        slider.mkdir(parents=True)
+        for frame in (0, 12):
+            (slider / f"{frame:06}.jpg").write_bytes(b"picture %d" % frame)
+        self.assertIn("Frame by frame", self.text_of_report(run_files=False))
+        page = (self.output / "report.html").read_text()
+        self.assertIn(base64.b64encode(b"picture 12").decode(), page)
 
     def test_the_same_input_gives_the_same_bytes(self):
         self.text_of_report()

@@ -7,6 +7,7 @@ stderr for bad input, a missing package or a page that cannot be written.
 import sys
 
 import figures
+import pictures
 import tables
 import verdict
 from comparison import read_comparison
@@ -21,7 +22,8 @@ def page(output):
         ("nees", figures.nees(comparison)),
         ("runtime", figures.runtime(comparison))) if figure}
     return rendered("compare.html", "page.js", charts, charts=charts, comparison=comparison,
-                    findings=verdict.findings(comparison), verdict=verdict, tables=tables)
+                    findings=verdict.findings(comparison), verdict=verdict, tables=tables,
+                    pictures=pictures.of_runs(output, comparison.runs))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,55 @@
+// slammot draw RUN: what it believed, frame by frame, over the images and on a map.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "slammot/apps/commands.h"
+#include "slammot/apps/draw_run.h"
+#include "slammot/apps/progress.h"
+#include "slammot/datasets/reader.h"
+#include "slammot/eval/run_reader.h"
+
+namespace slammot {
+namespace {
+
+struct DrawArguments {
+  std::string run;
+  std::string sequence;
+  std::string output;
+};
+
+void execute(const DrawArguments& arguments) {
+  const std::filesystem::path run = arguments.run;
+  std::filesystem::path sequence = arguments.sequence;
+  if (sequence.empty()) {
+    const auto named = read_run(run).sequence;
+    if (!named) throw InputError(run, 0, "run.yaml names no sequence; use --sequence");
+    sequence = *named;
+  }
+  const std::filesystem::path output =
+      arguments.output.empty() ? run / "pictures" : std::filesystem::path(arguments.output);
+  Progress progress;
+  const int count = draw_run(run, read_sequence(sequence), output,
+                             [&](int done, int total) { progress.show("draw", done, total); });
+  progress.clear();
+  fmt::print("{} pictures\n{}\n", count, (output / "film.mp4").string());
+}
+
+}  // namespace
+
+void add_draw(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<DrawArguments>();
+  CLI::App* command =
+      app.add_subcommand("draw", "pictures and a film of a run made with --landmarks every-frame");
+  command->add_option("RUN", arguments->run, "run folder")->required();
+  command->add_option("--sequence", arguments->sequence, "with the images; else as run.yaml says")
+      ->type_name("SEQUENCE");
+  command->add_option("--output", arguments->output, "folder to write, else RUN/pictures")
+      ->type_name("DIR");
+  command->callback([arguments, &exit_code] {
+    execute(*arguments);
+    exit_code = 0;
+  });
+}
+
+}  // namespace slammot
