@@ -51,6 +51,7 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
   stages.begin("classify");
   note(gated, out_of_view, frame.index);
   classify(gated.accepted.matches, frame.index);
+  take_back(all.matches, gated.nis);
 
   stages.begin("manage");
   retire(report);

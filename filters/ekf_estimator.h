@@ -38,6 +38,8 @@ class Ekf final : public Estimator {
   void note(const Gate& gated, const std::set<int>& out_of_view, int frame);
   void classify(const std::vector<Match>& seen, int frame);
   void collapse(const std::vector<int>& tracks);
+  // Takes back static labels that the innovations of this frame reject.
+  void take_back(const std::vector<Match>& measured, const std::vector<double>& nis);
   void retire(FrameReport& report);
   LandmarkEstimate estimate(const FilterLandmark& landmark) const;
 

@@ -3,6 +3,7 @@
 
 #include "slammot/filters/ekf_estimator.h"
 #include "slammot/models/initialisation.h"
+#include "slammot/models/label_policy.h"
 #include "slammot/models/observation.h"
 
 namespace slammot {
@@ -94,19 +95,19 @@ void Ekf::note(const Gate& gated, const std::set<int>& out_of_view, int frame) {
   for (const int track : out_of_view) note_rejected(state_.landmarks.at(track).record);
 }
 
-// Thesis 3.1.3, for every unknown landmark measured in this frame.
+// Thesis 3.1.3, for every landmark measured in this frame whose label is open.
 void Ekf::classify(const std::vector<Match>& seen, int frame) {
   std::vector<int> now_static;
   for (const Match& match : seen) {
     FilterLandmark& landmark = state_.landmarks.at(match.track);
-    if (landmark.record.label != Label::kUnknown) continue;
+    if (!is_asked(landmark.record, models_.labels)) continue;
     MotionBelief belief;
     belief.track = match.track;
     belief.w = landmark.w;
     belief.covariance = state_.covariance.block(landmark.w_block(), landmark.w_block());
     belief.prior_sigma = landmark_.prior_sigma(setup_.prior);
     belief.density_scale = landmark_.density_scale(landmark.x());
-    note_decision(landmark.record, classifier_->decide(belief), frame);
+    note_answer(landmark.record, classifier_->decide(belief), frame);
     if (landmark.record.label == Label::kStatic) now_static.push_back(match.track);
   }
   collapse(now_static);
@@ -136,6 +137,16 @@ void Ekf::collapse(const std::vector<int>& tracks) {
     linearisation_.correct(state_, dx);
   }
   state_.drop_motion(tracks);
+}
+
+void Ekf::take_back(const std::vector<Match>& measured, const std::vector<double>& nis) {
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    TrackRecord& record = state_.landmarks.at(measured[i].track).record;
+    note_innovation(record, nis[i], models_.labels);
+    if (!is_rejected(record, models_.labels)) continue;
+    note_freed(record);
+    state_.free_motion(record.track, landmark_.prior_sigma(setup_.prior));
+  }
 }
 
 void Ekf::retire(FrameReport& report) {

@@ -86,12 +86,13 @@ Gate gate(const JointState& state, const Innovation& innovation, const PixelGate
   std::vector<int> rows;
   for (int i = 0; i < innovation.rows() / 2; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const auto nis = test.pass(innovation.nu.segment<2>(2 * i), HPHt.block<2, 2>(2 * i, 2 * i));
-    if (!nis) {
+    const double nis = test.nis(innovation.nu.segment<2>(2 * i), HPHt.block<2, 2>(2 * i, 2 * i));
+    result.nis.push_back(nis);
+    if (!test.passes(nis)) {
       result.rejected.push_back(innovation.matches[k].track);
       continue;
     }
-    result.nis_sum += *nis;
+    result.nis_sum += nis;
     result.accepted.matches.push_back(innovation.matches[k]);
     result.accepted.predicted.push_back(innovation.predicted[k]);
     rows.insert(rows.end(), {2 * i, 2 * i + 1});

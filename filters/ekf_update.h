@@ -36,6 +36,7 @@ Eigen::MatrixXd apply_H(const JointState& state, const Innovation& innovation,
 struct Gate {
   Innovation accepted;
   std::vector<int> rejected;  // tracks
+  std::vector<double> nis;    // of every match of the innovation
   double nis_sum = 0.0;       // over the accepted
 };
 

@@ -57,4 +57,13 @@ void JointState::drop_motion(const std::vector<int>& tracks) {
   remove_blocks(std::move(blocks));
 }
 
+void JointState::free_motion(int track, double sigma) {
+  FilterLandmark& landmark = landmarks.at(track);
+  const StateBlock before = landmark.block;
+  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(6, 6);
+  R.bottomRightCorner<3, 3>().diagonal().setConstant(sigma * sigma);
+  landmark.block = covariance.append({{before, Eigen::MatrixXd::Identity(6, 3)}}, R);
+  remove_blocks({before});
+}
+
 }  // namespace slammot

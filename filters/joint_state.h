@@ -63,6 +63,9 @@ struct JointState {
   // Landmarks become static: their motion is dropped from the state (its rows are marginalised).
   void drop_motion(const std::vector<int>& tracks);
 
+  // A static landmark is free again, with w ~ N(0, sigma^2 I).
+  void free_motion(int track, double sigma);
+
  private:
   void remove_blocks(std::vector<StateBlock> blocks);
 };

@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <cmath>
-#include <optional>
 
 namespace slammot {
 
@@ -15,14 +14,14 @@ class PixelGate {
   PixelGate(double probability, double pixel_sigma)
       : threshold_(-2.0 * std::log1p(-probability)), variance_(pixel_sigma * pixel_sigma) {}
 
-  // The NIS nu' S^-1 nu with S = H P H' + sigma^2 I when it passes; nothing when it does not.
-  std::optional<double> pass(const Eigen::Vector2d& nu, const Eigen::Matrix2d& HPHt) const {
+  // nu' S^-1 nu with S = H P H' + sigma^2 I.
+  double nis(const Eigen::Vector2d& nu, const Eigen::Matrix2d& HPHt) const {
     Eigen::Matrix2d S = HPHt;
     S.diagonal().array() += variance_;
-    const double nis = nu.dot(S.inverse() * nu);
-    if (!(nis <= threshold_)) return std::nullopt;  // NaN does not pass
-    return nis;
+    return nu.dot(S.inverse() * nu);
   }
+
+  bool passes(double nis) const { return nis <= threshold_; }  // NaN does not
 
  private:
   double threshold_;  // chi-square quantile with 2 degrees of freedom, in closed form

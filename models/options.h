@@ -25,12 +25,20 @@ struct ClassifierOptions {
   double moving_factor = 0.01;   // bayes_factor: odds for v = 0 below which it is moving
 };
 
+// Whether labels may be taken back; see label_policy.h.
+struct LabelOptions {
+  std::string name = "one_way";  // one_way (thesis) | reversible
+  int window = 10;               // reversible: innovations that testify against a static label
+  double probability = 1e-4;     // reversible: of a right label being rejected in a frame
+};
+
 struct ModelOptions {
   std::string landmark = "scaled_velocity";  // a row of the estimators' landmark tables
   std::string collapse =
       "drop";  // on static: `drop` marginalises v (thesis), `condition` uses v = 0
   double gate_probability = 0.95;  // of a correct measurement passing the chi-square gate
   ClassifierOptions classifier;
+  LabelOptions labels;
   TrackPolicy policy;
 };
 

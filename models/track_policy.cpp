@@ -8,6 +8,7 @@ TrackRecord born(int track, int frame, Label label, bool first_frame) {
   TrackRecord record;
   record.track = track;
   record.label = label;
+  record.was_moving = label == Label::kMoving;
   record.from_first_frame = first_frame;
   record.first_frame = frame;
   record.last_frame = frame;
@@ -31,6 +32,7 @@ void note_rejected(TrackRecord& record) { ++record.rejected_in_row; }
 void note_decision(TrackRecord& record, Label label, int frame) {
   if (label == record.label) return;
   record.label = label;
+  record.was_moving = record.was_moving || label == Label::kMoving;
   record.decision_frame = frame;
 }
 

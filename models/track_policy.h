@@ -2,6 +2,7 @@
 // and when it is given up.
 #pragma once
 
+#include <deque>
 #include <vector>
 
 #include "slammot/models/estimator.h"
@@ -13,13 +14,15 @@ struct TrackRecord {
   int track = 0;
   Label label = Label::kUnknown;
   bool from_first_frame = false;
+  bool was_moving = false;  // has ever been taken for moving
   int first_frame = 0;
   int last_frame = 0;
   std::optional<int> decision_frame;
   int observations = 0;
-  int unused_frames = 0;    // frames since the newest accepted measurement
-  int rejected_in_row = 0;  // measurements rejected since then
-  int missed = 0;           // frames since then in which it was predicted in view
+  int unused_frames = 0;          // frames since the newest accepted measurement
+  int rejected_in_row = 0;        // measurements rejected since then
+  int missed = 0;                 // frames since then in which it was predicted in view
+  std::deque<double> static_nis;  // of its latest measurements while static (label_policy.h)
 };
 
 TrackRecord born(int track, int frame, Label label, bool first_frame);

@@ -43,6 +43,7 @@ class Batch final : public Estimator {
   void add_chain(BatchLandmark& landmark);
   void leave_out_poles();
   double refresh_noises();  // of all landmarks
+  void solve();
   LandmarkEstimate estimate(const BatchLandmark& landmark, const NormalEquations& equations) const;
 
   Setup setup_;
@@ -94,7 +95,7 @@ void Batch::add_landmark(const LandmarkLife& life) {
       graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior));
     }
   }
-  if (life.record.label != Label::kStatic) {
+  if (life.is_free()) {
     l.w = graph_.add_variable(life.states.front().tail<3>(), nullptr, owner);
     add_chain(l);
   }
@@ -145,6 +146,17 @@ double Batch::refresh_noises() {
   return change;
 }
 
+// Until neither the noises change nor the measurements that can be evaluated.
+void Batch::solve() {
+  int waiting = solve_with_ceres(graph_), before = -1;
+  for (int i = 0; i < kMaxRefreshes; ++i) {
+    if (refresh_noises() <= kNegligibleNoise && (waiting == 0 || waiting == before)) return;
+    leave_out_poles();
+    before = waiting;
+    waiting = solve_with_ceres(graph_);
+  }
+}
+
 std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
   stages.begin("batch");
   add_cameras();
@@ -152,11 +164,7 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
   for (const auto& [track, landmark] : window_.landmarks_) {
     add_landmark(window_.life_so_far(landmark));
   }
-  solve_with_ceres(graph_);
-  for (int i = 0; i < kMaxRefreshes && refresh_noises() > kNegligibleNoise; ++i) {
-    leave_out_poles();
-    solve_with_ceres(graph_);
-  }
+  solve();
   stages.begin("batch_covariances");
   graph_.linearise();
   const NormalEquations equations(graph_);

@@ -32,25 +32,32 @@ ceres::Solver::Options solver_options() {
 
 }  // namespace
 
-void solve_with_ceres(Graph& graph) {
+int solve_with_ceres(Graph& graph) {
   ceres::Problem problem(nothing_owned());
   for (const auto& [id, v] : graph.variables()) {
     problem.AddParameterBlock(graph.data(id), static_cast<int>(v.value.size()),
                               const_cast<ceres::Manifold*>(v.manifold));
   }
+  int waiting = 0;
   for (const auto& [id, factor] : graph.factors()) {
     std::vector<double*> blocks;
     for (const VariableId v : factor.variables) blocks.push_back(graph.data(v));
     // A landmark that starts behind its camera has no residual there: as in Graph::linearise its
     // measurement counts for nothing until the others have brought it to the front.
     Eigen::VectorXd unused(factor.cost->num_residuals());
-    if (!factor.cost->Evaluate(blocks.data(), unused.data(), nullptr)) continue;
+    if (!factor.cost->Evaluate(blocks.data(), unused.data(), nullptr)) {
+      ++waiting;
+      continue;
+    }
     problem.AddResidualBlock(factor.cost.get(), const_cast<ceres::LossFunction*>(factor.loss),
                              blocks);
   }
   ceres::Solver::Summary summary;
   ceres::Solve(solver_options(), &problem, &summary);
-  if (!summary.IsSolutionUsable()) throw Diverged("the batch has no solution: " + summary.message);
+  if (summary.termination_type != ceres::CONVERGENCE) {
+    throw Diverged("the batch has no solution: " + summary.message);
+  }
+  return waiting;
 }
 
 }  // namespace slammot

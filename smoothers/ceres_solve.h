@@ -6,8 +6,9 @@
 
 namespace slammot {
 
-// Moves the graph's variables to a minimum of its cost. Throws Diverged when Ceres finds no usable
-// solution. One thread, so that the result is always the same.
-void solve_with_ceres(Graph& graph);
+// Moves the graph's variables to a minimum of its cost, without the factors that cannot be
+// evaluated where it begins; returns how many these are. Throws Diverged when Ceres does not
+// converge. One thread, so that the result is always the same.
+int solve_with_ceres(Graph& graph);
 
 }  // namespace slammot

@@ -1,6 +1,7 @@
 #include "slammot/smoothers/window.h"
 
 #include "slammot/models/gate.h"
+#include "slammot/models/label_policy.h"
 #include "slammot/models/observation.h"
 #include "slammot/smoothers/factors.h"
 #include "slammot/smoothers/window_estimator.h"
@@ -63,6 +64,7 @@ FrameReport Window::process(const Frame& frame, StageListener& stages) {
   for (auto& [track, landmark] : landmarks_) ++landmark.record.unused_frames;
   for (const Observation& z : accepted) note_accepted(landmarks_.at(z.track).record, frame.index);
   classify(accepted, optimum.equations, frame.index);
+  take_back(frame);
 
   stages.begin("manage");
   retire(report);
@@ -140,12 +142,15 @@ std::vector<Observation> Window::gate(const Frame& frame, FrameReport& report) {
   const PixelGate test(models_.gate_probability, setup_.pixel_sigma);
   const std::vector<Eigen::MatrixXd> HPHt = NormalEquations(graph_).covariances(H);
   for (std::size_t i = 0; i < visible.size(); ++i) {
-    if (const auto nis = test.pass(innovations[i], HPHt[i])) {
+    TrackRecord& record = landmarks_.at(visible[i].track).record;
+    const double nis = test.nis(innovations[i], HPHt[i]);
+    note_innovation(record, nis, models_.labels);
+    if (test.passes(nis)) {
       accepted.push_back(visible[i]);
-      report.nis_sum += *nis;
+      report.nis_sum += nis;
     } else {
       ++report.rejected;
-      note_rejected(landmarks_.at(visible[i].track).record);
+      note_rejected(record);
     }
   }
   report.accepted = static_cast<int>(accepted.size());

@@ -72,15 +72,33 @@ void Window::enter_base(WindowLandmark& landmark, VariableId base) {
   }
 }
 
+void Window::remember_chain(WindowLandmark& l) const {
+  std::vector<Vector6d> x = chain_states(graph_, l);
+  x.pop_back();
+  l.life.states.insert(l.life.states.end(), x.begin(), x.end());
+}
+
+void Window::remember_rest(WindowLandmark& l) const {
+  const auto frames = static_cast<std::size_t>(frames_.back().number - l.life.birth);
+  Vector6d at_rest = Vector6d::Zero();
+  at_rest.head<3>() = graph_.value(l.y);
+  while (l.life.states.size() < frames) l.life.states.push_back(at_rest);
+}
+
 LandmarkLife Window::life_so_far(const WindowLandmark& landmark) const {
-  LandmarkLife life = landmark.life;
-  life.record = landmark.record;
-  if (!landmark.w) {
-    life.states = {newest_state(graph_, landmark).x};
-    return life;
+  WindowLandmark l = landmark;
+  l.life.record = l.record;
+  if (!l.life.is_free()) {
+    l.life.states = {newest_state(graph_, l).x};
+    return l.life;
   }
-  for (const Vector6d& x : chain_states(graph_, landmark)) life.states.push_back(x);
-  return life;
+  if (!l.w) {
+    remember_rest(l);
+    l.life.states.push_back(newest_state(graph_, l).x);
+    return l.life;
+  }
+  for (const Vector6d& x : chain_states(graph_, l)) l.life.states.push_back(x);
+  return l.life;
 }
 
 // Steps after the last measurement say nothing: they go at once.

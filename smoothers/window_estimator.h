@@ -38,6 +38,9 @@ struct LandmarkLife {
   std::vector<std::pair<int, Eigen::Vector2d>> pixels;  // by frame, the first one included
   std::vector<Vector6d> states;  // (y, w) by frame from the birth; of a static one its last
   TrackRecord record;
+
+  // A batch knows no change of mind: what was ever taken for moving is free all its life.
+  bool is_free() const { return record.was_moving || record.label != Label::kStatic; }
 };
 
 // Its chain goes from the base to the newest frame.
@@ -90,6 +93,9 @@ class Window : public Estimator {
   void classify(const std::vector<Observation>& accepted, const NormalEquations& equations,
                 int frame);
   void collapse(const std::vector<int>& tracks);
+  void add_motion(WindowLandmark& landmark);
+  // Takes back static labels that the innovations of this frame reject.
+  void take_back(const Frame& frame);
   void condition(WindowLandmark& landmark);
   void drop(WindowLandmark& landmark);
   void retire(FrameReport& report);
@@ -102,6 +108,10 @@ class Window : public Estimator {
   std::vector<Advance> leave_base(WindowLandmark& landmark, std::set<VariableId>& leaving);
   void enter_base(WindowLandmark& landmark, VariableId base);
   void end_chain(WindowLandmark& landmark);
+  // The states of its chain before the newest, into its life.
+  void remember_chain(WindowLandmark& landmark) const;
+  // Its states (y, 0) of frames in which it was static, before the newest.
+  void remember_rest(WindowLandmark& landmark) const;
   LandmarkLife life_so_far(const WindowLandmark& landmark) const;
 
   WindowFrame& newest() { return frames_.back(); }

@@ -1,5 +1,6 @@
 // The life of landmarks in the window: birth, classification, collapse to static, death.
 #include "slammot/models/initialisation.h"
+#include "slammot/models/label_policy.h"
 #include "slammot/models/observation.h"
 #include "slammot/smoothers/factors.h"
 #include "slammot/smoothers/window_estimator.h"
@@ -65,38 +66,43 @@ void Window::admit_new(const Frame& frame, FrameReport& report) {
                : graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior)));
     ++report.admitted;
     if (label == Label::kStatic) continue;
-    l.w = graph_.add_variable(Eigen::Vector3d::Zero(), nullptr, z.track);
-    l.w_prior = graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigma(setup_.prior)));
-    l.chain = std::make_shared<Chain>(Chain{&functions_, {}});
+    add_motion(l);
     l.pixels = {first};
   }
 }
 
-// Thesis 3.1.3, for every unknown landmark measured in this frame.
+// w with its prior, and a chain without steps.
+void Window::add_motion(WindowLandmark& l) {
+  l.w = graph_.add_variable(Eigen::Vector3d::Zero(), nullptr, l.record.track);
+  l.w_prior = graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigma(setup_.prior)));
+  l.chain = std::make_shared<Chain>(Chain{&functions_, {}});
+}
+
+// Thesis 3.1.3, for every landmark measured in this frame whose label is open.
 void Window::classify(const std::vector<Observation>& accepted, const NormalEquations& equations,
                       int frame) {
-  std::vector<int> unknown, now_static;
+  std::vector<int> asked, now_static;
   std::vector<LinearForm> forms;
   std::vector<Vector6d> states;
   for (const Observation& z : accepted) {
     const WindowLandmark& l = landmarks_.at(z.track);
-    if (l.record.label != Label::kUnknown) continue;
+    if (!is_asked(l.record, models_.labels)) continue;
     const ChainState state = newest_state(graph_, l);
-    unknown.push_back(z.track);
+    asked.push_back(z.track);
     states.push_back(state.x);
     forms.push_back({state_variables(l), state.J.bottomRows<3>()});
   }
   const std::vector<Eigen::MatrixXd> P_w = equations.covariances(forms);
-  for (std::size_t i = 0; i < unknown.size(); ++i) {
+  for (std::size_t i = 0; i < asked.size(); ++i) {
     MotionBelief belief;
-    belief.track = unknown[i];
+    belief.track = asked[i];
     belief.w = states[i].tail<3>();
     belief.covariance = P_w[i];
     belief.prior_sigma = functions_.prior_sigma(setup_.prior);
     belief.density_scale = functions_.density_scale(states[i]);
-    TrackRecord& record = landmarks_.at(unknown[i]).record;
-    note_decision(record, classifier_->decide(belief), frame);
-    if (record.label == Label::kStatic) now_static.push_back(unknown[i]);
+    TrackRecord& record = landmarks_.at(asked[i]).record;
+    note_answer(record, classifier_->decide(belief), frame);
+    if (record.label == Label::kStatic) now_static.push_back(asked[i]);
   }
   collapse(now_static);
 }
@@ -107,6 +113,7 @@ void Window::collapse(const std::vector<int>& tracks) {
   if (tracks.empty()) return;
   for (const int track : tracks) {
     WindowLandmark& landmark = landmarks_.at(track);
+    if (record_lives_) remember_chain(landmark);
     models_.collapse == "condition" ? condition(landmark) : drop(landmark);
     landmark.noises.clear();
     landmark.noise_priors.clear();
@@ -120,6 +127,19 @@ void Window::collapse(const std::vector<int>& tracks) {
   const Step step = equations.step();
   graph_.move(step);
   estimate_camera(equations, step);
+}
+
+// From now on it is free: y stays what it is, at the newest frame, where a chain begins.
+void Window::take_back(const Frame& frame) {
+  for (const Observation& z : frame.observations) {
+    const auto it = landmarks_.find(z.track);
+    if (it == landmarks_.end() || !is_rejected(it->second.record, models_.labels)) continue;
+    WindowLandmark& l = it->second;
+    note_freed(l.record);
+    if (record_lives_) remember_rest(l);
+    l.base = newest().position;
+    add_motion(l);
+  }
 }
 
 // w and all noises are zero: the window's measurements are those of one point.
@@ -162,14 +182,14 @@ void Window::retire(FrameReport& report) {
     return Eigen::Vector3d(it == far.end() ? graph_.value(id) : it->second);
   };
   for (auto& [track, landmark] : landmarks_) {
+    const Eigen::Vector3d y = landmark.w
+                                  ? Eigen::Vector3d(chain_states(graph_, landmark).back().head<3>())
+                                  : value(landmark.y);
+    report.negative_inverse_depth += y.z() < 0.0;
     if (landmark.record.unused_frames > 0) {
-      const Eigen::Vector3d y =
-          landmark.w ? Eigen::Vector3d(chain_states(graph_, landmark).back().head<3>())
-                     : value(landmark.y);
       note_unused(landmark.record,
                   in_view(setup_.camera, c.position, c.orientation, value(landmark.anchor), y));
     }
-    report.negative_inverse_depth += value(landmark.y)(2) < 0.0;
     if (is_lost(landmark.record, models_.policy)) lost.push_back(track);
   }
   if (lost.empty()) return;

@@ -25,14 +25,17 @@ double relative_difference(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
 struct Case {
   std::string landmark, collapse, classifier;
   double mean_sigma = 0.0;
+  std::string labels = "one_way";
 };
 
 class OneFrame : public testing::TestWithParam<Case> {};
 
 TEST_P(OneFrame, AndOneStepIsTheEkf) {
-  const Sequence sequence = simulate("circle", {{"frames", "120"}}, 3);
+  // Movers in the first frame are labelled static by rule: labels to take back.
+  const Sequence sequence = simulate("circle", {{"frames", "120"}, {"first_moving", "3"}}, 3);
   slammot::Setup setup = make_setup(sequence, Configuration{});
   ModelOptions models;
+  models.labels.name = GetParam().labels;
   setup.prior.mean_sigma = GetParam().mean_sigma;
   models.landmark = GetParam().landmark;
   models.collapse = GetParam().collapse;
@@ -88,16 +91,19 @@ TEST_P(OneFrame, AndOneStepIsTheEkf) {
   EXPECT_GT(decided, 10);
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, OneFrame,
-                         testing::Values(Case{"dynamic_inverse_depth", "drop", "thesis"},
-                                         Case{"dynamic_inverse_depth", "condition", "thesis"},
-                                         Case{"scaled_velocity", "drop", "thesis"},
-                                         Case{"scaled_velocity", "drop", "bayes_factor", 0.02},
-                                         Case{"scaled_velocity", "condition", "bayes_factor"}),
-                         [](const auto& tested) {
-                           return tested.param.landmark + "_" + tested.param.collapse + "_" +
-                                  tested.param.classifier;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Models, OneFrame,
+    testing::Values(Case{"dynamic_inverse_depth", "drop", "thesis"},
+                    Case{"dynamic_inverse_depth", "condition", "thesis"},
+                    Case{"scaled_velocity", "drop", "thesis"},
+                    Case{"scaled_velocity", "drop", "bayes_factor", 0.02},
+                    Case{"scaled_velocity", "condition", "bayes_factor"},
+                    Case{"dynamic_inverse_depth", "drop", "thesis", 0.0, "reversible"},
+                    Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible"}),
+    [](const auto& tested) {
+      return tested.param.landmark + "_" + tested.param.collapse + "_" + tested.param.classifier +
+             "_" + tested.param.labels;
+    });
 
 TEST(ManySteps, MakeItTheIteratedEkf) {
   const Sequence sequence = simulate("circle", {{"frames", "40"}}, 3);
