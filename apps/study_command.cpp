@@ -104,13 +104,15 @@ void add_study(CLI::App& app, int& exit_code) {
       command->add_option("--shard", arguments->shard, "only every N-th run, from the I-th")
           ->type_name("I/N");
   command->add_flag("--resume", arguments->resume, "go on with what the folder holds");
-  auto* merge = command
-                    ->add_option("--merge", arguments->merge,
-                                 "run nothing; put together the shards in these folders (in the "
-                                 "output folder, if none is named)")
-                    ->type_name("DIR")
-                    ->expected(0, -1)
-                    ->excludes(shard);
+  auto* merge =
+      command
+          ->add_option(
+              "--merge", arguments->merge,
+              "run only what the report shows; put together the shards in these folders (in the "
+              "output folder, if none is named)")
+          ->type_name("DIR")
+          ->expected(0, -1)
+          ->excludes(shard);
   command->callback([arguments, merge, &exit_code] {
     arguments->merge_only = merge->count() > 0;
     std::erase(arguments->merge, "");

@@ -15,6 +15,7 @@ double chi_square_quantile(double probability, double dof) {
 }
 
 double gated_mean(double gate_probability, double dof) {
+  if (gate_probability == 1.0) return dof;  // no gate
   const double gate = chi_square_quantile(gate_probability, dof);
   return dof * chi_square_cdf(gate, dof + 2.0) / gate_probability;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -239,10 +240,35 @@ void try_scenarios(const std::filesystem::path& file, const Study& study) {
   }
 }
 
+// What a figure draws must be there.
+void check_figures(const std::filesystem::path& file, const Study& study) {
+  const auto wants = [&](const char* figure) {
+    return std::ranges::find(study.figures, figure) != study.figures.end();
+  };
+  if (wants("velocity") && study.tracks.empty()) {
+    throw InputError(file, 0, "figure 'velocity' needs `record: {tracks: ..}`");
+  }
+  if (!wants("classification_against_sweep")) return;
+  const auto& sweep = study.cells.front().sweep;
+  if (sweep.size() != 1) {
+    throw InputError(file, 0, "figure 'classification_against_sweep' needs one swept key");
+  }
+  for (const StudyCell& cell : study.cells) {
+    const std::string& value = cell.sweep.front().second;
+    double number = 0.0;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+    if (error != std::errc{} || end != value.data() + value.size()) {
+      throw InputError(
+          file, 0, fmt::format("figure 'classification_against_sweep': '{}' is no number", value));
+    }
+  }
+}
+
 }  // namespace
 
 Study read_study(const std::filesystem::path& file) {
   Study study = Reader(file).read();
+  check_figures(file, study);
   try_scenarios(file, study);
   return study;
 }

@@ -13,6 +13,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kCounts[] = {"static", "moving", "static_often_seen", "moving_often_seen"};
 
+// Root mean square over the frames of the position's standard deviation.
+double sigma_over_run(const Json& frames) {
+  std::vector<double> sigma;
+  for (const Json& s : frames.at("position_sigma_m")) sigma.push_back(number(s));
+  return root_mean_square(sigma);
+}
+
 }  // namespace
 
 void CellSummary::add(const Json& run) {
@@ -29,6 +36,7 @@ void CellSummary::add(const Json& run) {
   if (!run.at("lost_at").is_null()) lost_.push_back({{"seed", seed}, {"frame", run["lost_at"]}});
   frames_.add(run.at("frames"));
   if (run.contains("smoothed_frames")) smoothed_.add(run["smoothed_frames"]);
+  stated_sigma_[seed] = sigma_over_run(run["frames"]);
   ages_.add(run.at("landmarks"));
   tracks_.add(run.at("tracks"));
   for (const char* what : kCounts) {
@@ -36,18 +44,25 @@ void CellSummary::add(const Json& run) {
   }
   for (const auto& [key, value] : run.at("coverage").items()) coverage_[key] += number(value);
   for (const char* what : {"nis_mean", "nis_expected", "median_frames_to_decision"}) {
-    scalars_[what].push_back(number(run.at(what)));
+    add_scalar(what, run.at(what));
   }
   if (!diverged.is_null()) return;
-  position_rmse_[seed] = number(run.at("filtered").at("position_rmse_m"));
+  // A batch is judged by what it is for: its filtered trajectory is its front window's.
+  const char* judged = run.contains("smoothed_frames") ? "smoothed" : "filtered";
+  position_rmse_[seed] = number(run.at(judged).at("position_rmse_m"));
   add_accuracy(run);
+}
+
+// One that is not defined (no landmark was ever decided) is no sample.
+void CellSummary::add_scalar(const std::string& key, const Json& value) {
+  if (value.is_number()) scalars_[key].push_back(value.get<double>());
 }
 
 void CellSummary::add_accuracy(const Json& run) {
   for (const std::string which : {"filtered", "smoothed"}) {
     if (run.at(which).is_null()) continue;
     for (const auto& [key, value] : run[which].items()) {
-      scalars_[which + "_" + key].push_back(number(value));
+      add_scalar(which + "_" + key, value);
     }
   }
 }

@@ -93,15 +93,18 @@ Json FrameStatistics::anees() const {
   for (const Anees& part : parts()) {
     std::vector<double> defined;
     double inside = 0.0;
+    int infinite = 0;
     for (std::size_t i = 0; i < part.value.size(); ++i) {
       if (std::isnan(part.value[i])) continue;  // no landmark had a sample in this frame
       defined.push_back(part.value[i]);
+      infinite += std::isinf(part.value[i]);
       inside += part.inside[i];
     }
     json[part.part] = {{"dof", part.dof},
                        {"mean", mean(defined)},
                        {"largest", maximum(defined)},
-                       {"inside", inside / static_cast<double>(defined.size())}};
+                       {"inside", inside / static_cast<double>(defined.size())},
+                       {"infinite", infinite}};
   }
   return json;
 }

@@ -252,6 +252,8 @@ StudyRun run_study_cell(const Study& study, int cell, int run) {
     const RunMetrics metrics = compute_metrics(sequence, result, effective.model.gate_probability);
     made.result.update(result_json(study, sequence, result, metrics));
     made.timing.update(timing_json(metrics));
+  } catch (const std::bad_alloc&) {
+    throw;  // of this machine, not of the estimator
   } catch (const std::exception& error) {
     made.result["diverged"] = {{"frame", nullptr}, {"reason", error.what()}};
   }

@@ -79,7 +79,8 @@ Json read_line(const Place& place) {
 }
 
 void replace(const fs::path& file, const std::function<void(std::ostream&)>& write) {
-  const fs::path unfinished = file.string() + ".unfinished";
+  const fs::path unfinished =
+      fmt::format("{}.{}.unfinished", file.string(), static_cast<int>(::getpid()));
   {
     std::ofstream out(unfinished, std::ios::binary);
     write(out);
@@ -96,7 +97,19 @@ std::string read_text(const fs::path& file) {
   return std::move(out).str();
 }
 
+bool is_of(const Study& study, const fs::path& folder) {
+  return read_text(folder / "study.yaml") == study.text;
+}
+
 }  // namespace
+
+// SplitMix64 (Steele, Lea and Flood 2014).
+std::uint64_t Shard::scattered(int task) {
+  std::uint64_t z = static_cast<std::uint64_t>(task) + 0x9e3779b97f4a7c15;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
+  return z ^ (z >> 31);
+}
 
 std::string Shard::journal() const { return fmt::format("journal-{}-of-{}.jsonl", index, count); }
 
@@ -139,6 +152,10 @@ void Journal::append(const StudyRun& run) {
 void merge_runs(const Study& study, const std::vector<fs::path>& folders, const fs::path& output) {
   std::map<RunKey, Place> places;
   for (const fs::path& folder : folders) {
+    if (!is_of(study, folder)) {
+      throw std::invalid_argument(folder.string() +
+                                  " holds another study (its study.yaml differs)");
+    }
     for (const fs::path& file : journals(folder)) add_places(file, places);
   }
   const int cells = static_cast<int>(study.cells.size());
@@ -167,16 +184,15 @@ void merge_runs(const Study& study, const std::vector<fs::path>& folders, const 
 void claim_folder(const Study& study, const fs::path& folder, const Shard& shard, bool resume) {
   fs::create_directories(folder);
   const fs::path mark = folder / "study.yaml";
-  if (fs::exists(mark) && read_text(mark) != study.text) {
+  if (fs::exists(mark) && !is_of(study, folder)) {
     throw std::invalid_argument(folder.string() + " holds another study (its study.yaml differs)");
   }
   if (!resume && fs::exists(folder / shard.journal())) {
     throw std::invalid_argument(folder.string() + " has runs already: --resume goes on with them");
   }
   if (fs::exists(mark)) return;
-  std::ofstream out(mark, std::ios::binary);  // shards may write it at once: the same bytes
-  out << study.text;
-  if (!out.flush()) throw std::runtime_error(mark.string() + ": cannot be written");
+  // Whole at once: another shard that begins now sees all of it or nothing.
+  replace(mark, [&](std::ostream& out) { out << study.text; });
 }
 
 }  // namespace slammot

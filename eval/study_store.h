@@ -9,6 +9,7 @@
 // Journals stay: with them a study can be resumed, or be given more runs.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <mutex>
 #include <set>
@@ -22,8 +23,15 @@ struct Shard {
   int index = 1;  // 1 .. count
   int count = 1;
 
-  bool has(int task) const { return task % count == index - 1; }
+  // Scattered, so that no shard gets all the runs of one slow estimator.
+  bool has(int task) const {
+    return scattered(task) % static_cast<std::uint64_t>(count) ==
+           static_cast<std::uint64_t>(index - 1);
+  }
   std::string journal() const;  // the file's name
+
+ private:
+  static std::uint64_t scattered(int task);
 };
 
 using RunKey = std::pair<int, std::uint64_t>;  // cell, seed

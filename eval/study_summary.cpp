@@ -42,7 +42,7 @@ class CellLines {
 // What is kept of a cell while its group is summarised.
 struct Finished {
   Json json;
-  std::map<std::uint64_t, double> position_rmse;
+  std::map<std::uint64_t, double> position_rmse, stated_sigma;  // by seed
 };
 
 Finished summarise_cell(const StudyCell& cell, std::size_t index, CellLines& results,
@@ -50,7 +50,7 @@ Finished summarise_cell(const StudyCell& cell, std::size_t index, CellLines& res
   CellSummary summary(cell);
   results.visit(index, [&](const Json& run) { summary.add(run); });
   timing.visit(index, [&](const Json& run) { summary.add_timing(run); });
-  return {summary.json(), summary.position_rmse()};
+  return {summary.json(), summary.position_rmse(), summary.stated_sigma()};
 }
 
 // Position RMSE of a - b by seed, where both finished; a diverged run loses.
@@ -73,25 +73,21 @@ Json pair_json(const Finished& a, const Finished& b) {
           {"position_rmse_difference_m", json_of(bootstrap(differences, mean))}};
 }
 
-// RMSE of the position over the bound's, at the frames of both.
-Json over_bound(const Json& cell, const Json& bound) {
-  std::map<int, double> sigma;
-  const Json& b = bound.at("per_frame");
-  for (std::size_t i = 0; i < b.at("frame").size(); ++i) {
-    sigma[b["frame"][i].get<int>()] = number(b.at("position_sigma_m")[i]);
+double median_of(const std::vector<double>& samples) { return median(samples); }
+
+// The RMSE of each run over what the bound states for its seed. A few lost runs can make the RMSE
+// of all, the median tells of a usual one.
+Json over_bound(const Finished& cell, const Finished& bound) {
+  std::vector<double> ratios, errors, bounds;
+  for (const auto& [seed, rmse] : cell.position_rmse) {
+    const auto sigma = bound.stated_sigma.find(seed);
+    if (sigma == bound.stated_sigma.end() || !std::isfinite(rmse)) continue;
+    ratios.push_back(rmse / sigma->second);
+    errors.push_back(rmse);
+    bounds.push_back(sigma->second);
   }
-  const Json& c = cell.at("per_frame");
-  double squares = 0.0, bounds = 0.0;
-  Json ratio = Json::array();
-  for (std::size_t i = 0; i < c.at("frame").size(); ++i) {
-    const double e = number(c.at("position_rmse_m")[i]);
-    const auto s = sigma.find(c["frame"][i].get<int>());
-    ratio.push_back(s == sigma.end() ? kUndefined : e / s->second);
-    if (s == sigma.end()) continue;
-    squares += e * e;
-    bounds += s->second * s->second;
-  }
-  return {{"position", std::sqrt(squares / bounds)}, {"per_frame", ratio}};
+  return {{"position", root_mean_square(errors) / root_mean_square(bounds)},
+          {"median", json_of(bootstrap(ratios, median_of))}};
 }
 
 bool is_bound(const Finished& cell) { return cell.json.at("label") == kBound; }
@@ -101,7 +97,7 @@ void add_bound(std::vector<Finished>& cells) {
     if (!is_bound(bound) || !bound.json.contains("per_frame")) continue;
     for (Finished& cell : cells) {
       if (is_bound(cell) || !cell.json.contains("per_frame")) continue;
-      cell.json["rmse_over_bound"] = over_bound(cell.json, bound.json);
+      cell.json["rmse_over_bound"] = over_bound(cell, bound);
     }
   }
 }

@@ -62,6 +62,7 @@ Json run_json(const Study& study, const StudyCell& cell) {
     Json shown = landmarks.count(run.frames[k]) > 0 ? landmarks[run.frames[k]] : Json::array();
     json["steps"].push_back({{"frame", run.frames[k]},
                              {"timestamp", run.filtered[k].timestamp},
+                             {"done", i + 1},  // points of the path so far
                              {"camera", point(estimate)},
                              {"truth", truth},
                              {"landmarks", std::move(shown)}});

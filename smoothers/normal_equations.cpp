@@ -147,6 +147,7 @@ void NormalEquations::eliminate_groups(double damping) {
     const Eigen::VectorXd Lg = group.llt.matrixL().solve(group.g);
     const std::vector<int>& columns = group.core_columns;  // ascending
     const auto n = static_cast<Eigen::Index>(columns.size());
+    if (n == 0) continue;  // tied to nothing yet; BLAS refuses matrices without columns
     WVW.setZero(n, n);
     WVW.selfadjointView<Eigen::Lower>().rankUpdate(group.LW.transpose());
     reduced_g_(columns) -= group.LW.transpose() * Lg;

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "slammot/datasets/scenario.h"
+#include "slammot/eval/metrics.h"
 #include "slammot/eval/run.h"
 
 namespace slammot {
@@ -81,6 +82,26 @@ TEST(Linearisation, UnknownNamesAndAMissingTruthAreRefused) {
   assign(configuration, {"ekf.linearisation", "ideal"});
   sequence.exact_truth = false;
   EXPECT_THROW(run_estimator(sequence, configuration, "ekf"), std::invalid_argument);
+}
+
+// The Cramer-Rao bound of a scene is the same whatever the noise of its pixels was.
+TEST(Bound, DoesNotDependOnTheMeasurements) {
+  Configuration configuration;
+  configuration.pixel_sigma = 1.0;
+  const auto run = [&](const char* noise) {
+    const Sequence sequence = simulate("circle", {{"frames", "80"}, {"noise", noise}}, 3);
+    const RunResult result = run_estimator(sequence, configuration, "bound");
+    const Configuration used = effective_configuration(sequence, configuration, "bound");
+    EXPECT_EQ(compute_metrics(sequence, result, used.model.gate_probability).nis.expected, 2.0);
+    return result;
+  };
+  const RunResult quiet = run("0.1"), noisy = run("1.5");
+  ASSERT_EQ(quiet.filtered.size(), noisy.filtered.size());
+  EXPECT_EQ(noisy.totals.rejected, 0);
+  for (std::size_t i = 0; i < quiet.filtered.size(); ++i) {
+    const Matrix12d &a = quiet.filtered[i].covariance, &b = noisy.filtered[i].covariance;
+    EXPECT_LT((a - b).norm(), 1e-9 * b.norm()) << "frame " << i;
+  }
 }
 
 }  // namespace

@@ -216,14 +216,17 @@ def velocity(plt, summary):
 
 
 def cost_points(accuracy, consistency, cell, style):
-    """A cell's RMSE with its interval, and its ANEES, against its time, where they are defined."""
-    rmse = cell.get("filtered_position_rmse_m")
+    """A cell's RMSE with its interval, and its ANEES, against its time, where they are defined. A batch has its smoothed values and the
+    time of its solution, shared among the frames: its filtered ones are its front window's."""
+    batch = "smoothed_anees" in cell
+    rmse = cell.get("smoothed_position_rmse_m" if batch else "filtered_position_rmse_m")
     if not rmse or rmse["value"] is None:
         return
-    ms, value, low = cell["timing"]["frame_median_ms"], rmse["value"], rmse["lower"]
+    value, low = rmse["value"], rmse["lower"]
+    ms = cell["timing"]["frame_median_ms"] + cell["timing"]["smoothing_ms"] * batch / len(cell["per_frame"]["frame"])
     error = None if low is None else [[value - low], [rmse["upper"] - value]]
     accuracy.errorbar(ms, value, yerr=error, fmt="o", **style)
-    mean = cell["anees"]["pose"]["mean"]
+    mean = cell["smoothed_anees" if batch else "anees"]["pose"]["mean"]
     if mean is not None:
         consistency.plot(ms, mean, "o", **style)
 
@@ -237,7 +240,7 @@ def trade_off(plt, summary):
         shared = {"legend": 7, "title": group["name"], "xlabel": "time of a frame, median [ms]", "xscale": "log"}
         explain(accuracy, **shared, ylabel="position RMSE [m]", ylim=(0, None))
         explain(consistency, **shared, ylabel="ANEES of the pose (6 is right)", yscale="log")
-    return figure, ("Accuracy and consistency against cost", "Filtered estimates; bars are 95% bootstrap intervals over runs.")
+    return figure, ("Accuracy and consistency against cost", "Filtered estimates, of a batch the smoothed ones; bars are 95% bootstrap intervals over runs.")
 
 
 def anees_line(axis, cell, part, style):

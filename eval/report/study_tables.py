@@ -37,8 +37,6 @@ def escaped(text):
 def number(value, digits=3):
     if value is None:
         return "–"
-    if isinstance(value, float) and math.isinf(value):
-        return "∞"
     return f"{value:.{digits}g}"
 
 
@@ -70,7 +68,7 @@ def bound_row(group, cell):
     """What is stated: the standard deviation of the position, root mean square over the frames."""
     sigma = [s for s in cell.get("per_frame", {}).get("position_sigma_m", []) if s is not None]
     stated = math.sqrt(sum(s * s for s in sigma) / len(sigma)) if sigma else None
-    return [group["name"], cell["label"], str(cell["runs"]), "–", "–", number(stated)] + ["–"] * 8
+    return [group["name"], cell["label"], str(cell["runs"]), str(len(cell["diverged"])), "–", number(stated)] + ["–"] * 10
 
 
 def summary_table(summary):
@@ -81,39 +79,47 @@ def summary_table(summary):
             continue
         anees = cell.get("anees", {})
         pose = anees.get("pose", {})
-        bound = cell.get("rmse_over_bound", {}).get("position")
+        bound = cell.get("rmse_over_bound", {})
         timing = cell.get("timing", {})
         rows.append([
             group["name"], cell["label"], str(cell["runs"]), str(len(cell["diverged"])), str(len(cell["lost"])),
-            with_interval(cell.get("filtered_position_rmse_m")), number(bound),
+            with_interval(cell.get("filtered_position_rmse_m")), number(bound.get("position")), with_interval(bound.get("median")),
             with_interval(cell.get("filtered_rotation_rmse_deg")),
-            number(pose.get("mean")), percent(pose["inside"], 1) if pose.get("inside") is not None else "–",
-            number(anees.get("position", {}).get("mean")),
-            with_interval(cell.get("nis_mean")),
+            anees_mean(pose), percent(pose["inside"], 1) if pose.get("inside") is not None else "–",
+            anees_mean(anees.get("position", {})),
+            with_interval(cell.get("nis_mean")), number((cell.get("nis_expected") or {}).get("value")),
             with_interval(cell.get("smoothed_position_rmse_m")),
             number(timing.get("frame_median_ms"))])
     return Table(
         "Summary",
-        "Over all runs; brackets are 95% bootstrap intervals over runs. A run is diverged when its numbers are none any "
+        "Over all runs; brackets are 95% bootstrap intervals over runs. A batch's filtered values are its front window's: its own are the smoothed ones. A run is diverged when its numbers are none any "
         "more, lost when its error once exceeds a metre and a tenth of the path. ANEES is averaged over frames too (6 and 3 are "
         "right); inside: the part of the frames whose ANEES lies in its two-sided 95% interval. RMSE are of runs that did not diverge. "
-        "A bound's row gives the standard deviation that no estimator can beat.",
-        ["scenario", "estimator", "runs", "diverged", "lost", "position RMSE [m]", "over the bound", "rotation RMSE [deg]",
-         "ANEES pose", "inside", "ANEES position", "NIS", "smoothed RMSE [m]", "frame [ms]"], rows)
+        "A bound's row gives the standard deviation of the posterior Cramér-Rao bound, for known labels and the same policy of births and "
+        "deaths; a biased estimator may seem to beat it. NIS is of the measurements that pass the gate, expected: what a consistent estimator would have.",
+        ["scenario", "estimator", "runs", "diverged", "lost", "position RMSE [m]", "over the bound", "the same, median run", "rotation RMSE [deg]",
+         "ANEES pose", "inside", "ANEES position", "NIS", "NIS expected", "smoothed RMSE [m]", "frame [ms]"], rows)
+
+
+def anees_mean(part):
+    """∞ where a covariance was none in some frame."""
+    return "∞" if part.get("infinite") else number(part.get("mean"))
 
 
 def consistency_table(summary):
     rows = []
     for group, cell in estimators_of(summary):
-        for part, a in cell.get("anees", {}).items():
-            if a["mean"] is not None:
-                rows.append([group["name"], cell["label"], part.replace("_", " "), str(a["dof"]), number(a["mean"]),
-                             number(a["largest"]), percent(a["inside"], 1)])
+        smoothed = {f"smoothed {part}": a for part, a in cell.get("smoothed_anees", {}).items()}
+        for part, a in {**cell.get("anees", {}), **smoothed}.items():
+            if a["mean"] is not None or a["infinite"]:
+                rows.append([group["name"], cell["label"], part.replace("_", " "), str(a["dof"]), anees_mean(a),
+                             number(a["largest"]) if a["largest"] is not None else "∞", percent(a["inside"], 1)])
     return Table(
         "Consistency",
         "ANEES of each part of the state: mean and largest over the frames, and the part of the frames that are inside. Of the camera: "
         "whose ANEES lies in the two-sided 95% interval of a consistent estimator. Of landmarks, which share their camera's error: "
-        "whose 95% bootstrap interval over runs holds 3.",
+        "whose 95% bootstrap interval over runs holds 3, which a wide interval does easily: read it beside the mean. Velocities are of the "
+        "landmarks that are unknown or moving; one that is labelled static has none.",
         ["scenario", "estimator", "part", "right is", "mean", "largest", "inside"], rows)
 
 
@@ -154,7 +160,7 @@ def pairs_table(summary):
                          str(pair["wins_b"]), with_interval(difference)])
     return Table(
         "Paired comparisons",
-        "The same measurements for both. Wins: pairs with the smaller position RMSE; a diverged run loses. Difference of the "
+        "The same measurements for both. Wins: pairs with the smaller position RMSE (of a batch: smoothed); a diverged run loses. Difference of the "
         "position RMSE, mean over the pairs in which both finished, with its 95% bootstrap interval.",
         ["scenario", "pair", "pairs", "first wins", "second wins", "difference [m]"], rows)
 

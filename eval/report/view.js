@@ -44,12 +44,11 @@ function ellipsoids(landmarks, label) {
 }
 
 function traces(run, step) {
-  const upto = run.path.length * (step + 1) / run.steps.length;
-  const {landmarks, camera, truth} = run.steps[step];
+  const {landmarks, camera, truth, done} = run.steps[step];
   const here = truth ? [camera, truth] : [camera];
   return [
     line("true path", run.truth_path, "#000000", 2, "dash"),
-    line("estimated path", run.path.slice(0, Math.max(2, Math.round(upto))), "#CC79A7", 4, "solid"),
+    line("estimated path", run.path.slice(0, Math.max(2, done)), "#CC79A7", 4, "solid"),
     {type: "scatter3d", mode: "markers", name: "camera", x: here.map((p) => p[0]), y: here.map((p) => p[2]),
      z: here.map((p) => -p[1]), marker: {color: ["#CC79A7", "#000000"], size: 5, symbol: "diamond"}},
     ...[0, 1, 2].map((label) => centres(landmarks, label)),
@@ -80,6 +79,8 @@ async function start() {
   choice.addEventListener("change", draw);
   slider.addEventListener("input", draw);
   document.documentElement.dataset.landmarks = String(await draw());
+  const drawn = document.getElementById("view").data.map((trace) => trace.x.length);
+  document.documentElement.dataset.marks = String(drawn.reduce((a, b) => a + b, 0));
   document.documentElement.dataset.drawn = "1";
 }
 
