@@ -89,7 +89,13 @@ int execute(CompareArguments arguments) {
   const auto landmarks = landmarks_compared(arguments, set, configuration);
   if (arguments.scenario.scenario.empty()) arguments.scenario.scenario = "circle";
   const std::filesystem::path output = output_folder(arguments);
+  if (std::filesystem::exists(output / "study.yaml")) {
+    throw std::invalid_argument(output.string() + " holds a study: a comparison needs its own");
+  }
   const Sequence sequence = selected(obtain(arguments, output), configuration.frames);
+  if (arguments.pictures && sequence.images.empty()) {
+    throw InputError(sequence.folder, 0, "--pictures: frames.csv names no images");
+  }
   fmt::print("{}: {} frames, {} estimators x {} landmark models\n", sequence.name,
              sequence.frames.size(), arguments.estimators.size(), landmarks.size());
   Progress progress;

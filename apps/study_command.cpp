@@ -79,10 +79,12 @@ int execute(const StudyArguments& arguments) {
   std::fflush(stdout);
   const int ran = run_study(study, options);
   progress.clear();
-  fmt::print("{} runs done\n", ran);
+  fmt::print("{} runs done{}\n", ran, arguments.resume ? ", the others were there" : "");
   if (shard.count == 1) return finish(study, output, {output});
-  fmt::print("shard {} of {} is in {}; when all are done: slammot study {} --merge --output {}\n",
-             shard.index, shard.count, output.string(), arguments.study, output.string());
+  fmt::print(
+      "shard {} of {} is in {}; when all are there: slammot study {} --merge --output {}; or, of a "
+      "folder each: --merge DIR1 DIR2 ... --output DIR\n",
+      shard.index, shard.count, output.string(), arguments.study, output.string());
   return 0;
 }
 

@@ -47,6 +47,8 @@ class Reader {
       top.refuse(top.take("format"), "unknown format '" + format + "' (known: slammot-study-1)");
     }
     study.name = top.text("name");
+    if (study.name.find('/') != std::string::npos)
+      top.refuse(top.take("name"), "'name' names a folder and has no '/'");
     study.title = top.has("title") ? top.text("title") : study.name;
     if (top.has("runs")) study.runs = top.positive_integer("runs");
     if (top.has("seed")) {
@@ -114,6 +116,9 @@ class Reader {
       row.label = map.has("label") ? map.text("label") : row.name;
       if (map.has("set")) row.settings = settings(map.take("set"), "set");
       map.finish();
+      if (row.label.find(',') != std::string::npos) {
+        refuse(item, "the label '" + row.label + "' has a comma, which separates swept values");
+      }
       if (!labels.insert(row.label).second) refuse(item, "two are called '" + row.label + "'");
       result.push_back(std::move(row));
     }

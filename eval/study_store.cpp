@@ -152,6 +152,9 @@ void Journal::append(const StudyRun& run) {
 void merge_runs(const Study& study, const std::vector<fs::path>& folders, const fs::path& output) {
   std::map<RunKey, Place> places;
   for (const fs::path& folder : folders) {
+    if (!fs::is_directory(folder)) {
+      throw std::invalid_argument(folder.string() + ": no such folder");
+    }
     if (!is_of(study, folder)) {
       throw std::invalid_argument(folder.string() +
                                   " holds another study (its study.yaml differs)");
@@ -186,6 +189,9 @@ void claim_folder(const Study& study, const fs::path& folder, const Shard& shard
   const fs::path mark = folder / "study.yaml";
   if (fs::exists(mark) && !is_of(study, folder)) {
     throw std::invalid_argument(folder.string() + " holds another study (its study.yaml differs)");
+  }
+  if (fs::exists(folder / "compare.json")) {
+    throw std::invalid_argument(folder.string() + " holds a comparison: a study needs its own");
   }
   if (!resume && fs::exists(folder / shard.journal())) {
     throw std::invalid_argument(folder.string() + " has runs already: --resume goes on with them");

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A cell that only gives the Cramer-Rao bound of its group, and takes part in no comparison.
+// The estimator that only gives the Cramer-Rao bound of its group, and takes part in no comparison.
 constexpr std::string_view kBound = "bound";
 
 // The lines of a file that belong to one cell after another: both files are sorted by cell.
@@ -90,7 +90,7 @@ Json over_bound(const Finished& cell, const Finished& bound) {
           {"median", json_of(bootstrap(ratios, median_of))}};
 }
 
-bool is_bound(const Finished& cell) { return cell.json.at("label") == kBound; }
+bool is_bound(const Finished& cell) { return cell.json.at("estimator") == kBound; }
 
 void add_bound(std::vector<Finished>& cells) {
   for (const Finished& bound : cells) {

@@ -78,7 +78,7 @@ Json study_view(const Study& study) {
   for (const StudyCell& cell : study.cells) {
     const bool enough = static_cast<int>(json["runs"].size()) == kViewRuns;
     if (enough || cell.group != study.cells.front().group) break;
-    if (cell.estimator == "batch" || cell.label == "bound")
+    if (cell.estimator == "batch" || cell.estimator == "bound")
       continue;  // no belief per frame, no labels
     json["runs"].push_back(run_json(study, cell));
   }

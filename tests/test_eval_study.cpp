@@ -40,7 +40,7 @@ class Summary : public testing::Test {
       StudyCell cell;
       cell.group = "g";
       cell.label = label;
-      cell.estimator = "ekf";
+      cell.estimator = cell.label == "bound" ? "bound" : "ekf";
       study_.cells.push_back(cell);
     }
     study_.runs = kRuns;

@@ -38,7 +38,7 @@ def colours(summary):
 
 
 def drawn(group):
-    return [cell for cell in group["cells"] if "per_frame" in cell and cell["label"] != BOUND]
+    return [cell for cell in group["cells"] if "per_frame" in cell and cell["estimator"] != BOUND]
 
 
 def drawn_cells(summary):
@@ -47,7 +47,7 @@ def drawn_cells(summary):
 
 
 def bound_of(group):
-    return next((cell for cell in group["cells"] if cell["label"] == BOUND and "per_frame" in cell), None)
+    return next((cell for cell in group["cells"] if cell["estimator"] == BOUND and "per_frame" in cell), None)
 
 
 def grid(plt, rows, columns, width, height):

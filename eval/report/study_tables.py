@@ -61,7 +61,7 @@ def cells_of(summary):
 
 def estimators_of(summary):
     """Without the bounds, which estimate nothing."""
-    return [(group, cell) for group, cell in cells_of(summary) if cell["label"] != BOUND]
+    return [(group, cell) for group, cell in cells_of(summary) if cell["estimator"] != BOUND]
 
 
 def bound_row(group, cell):
@@ -74,7 +74,7 @@ def bound_row(group, cell):
 def summary_table(summary):
     rows = []
     for group, cell in cells_of(summary):
-        if cell["label"] == BOUND:
+        if cell["estimator"] == BOUND:
             rows.append(bound_row(group, cell))
             continue
         anees = cell.get("anees", {})
