@@ -96,7 +96,9 @@ void add_bound(std::vector<Finished>& cells) {
   for (const Finished& bound : cells) {
     if (!is_bound(bound) || !bound.json.contains("per_frame")) continue;
     for (Finished& cell : cells) {
-      if (is_bound(cell) || !cell.json.contains("per_frame")) continue;
+      // Nor a batch's, which has smoothed: this bound is that of filtering.
+      const bool filters = !cell.json.contains("smoothed_anees");
+      if (is_bound(cell) || !cell.json.contains("per_frame") || !filters) continue;
       cell.json["rmse_over_bound"] = over_bound(cell, bound);
     }
   }
