@@ -31,27 +31,26 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
   admit_known(frame, report);
 
   stages.begin("gate");
-  std::vector<Match> matches;
+  matches_.clear();
   for (const Observation& z : frame.observations) {
-    if (state_.landmarks.contains(z.track)) matches.push_back({z.track, z.pixel});
+    if (state_.landmarks.contains(z.track)) matches_.push_back({z.track, z.pixel});
   }
-  const Innovation all = innovation(state_, linearisation_, setup_.camera, matches);
-  const Gate gated = gate(state_, all, PixelGate(models_.gate_probability, setup_.pixel_sigma));
-  report.accepted = static_cast<int>(gated.accepted.matches.size());
-  report.rejected = static_cast<int>(gated.rejected.size());
-  std::set<int> out_of_view;
-  for (const Match& m : matches) out_of_view.insert(m.track);
-  for (const Match& m : all.matches) out_of_view.erase(m.track);
-  report.out_of_view = static_cast<int>(out_of_view.size());
-  report.nis_sum = gated.nis_sum;
+  linearise(state_, linearisation_, setup_.camera, matches_, innovation_);
+  out_of_view_.swap(innovation_.out_of_view);
+  report.out_of_view = static_cast<int>(out_of_view_.size());
+  gate(state_, PixelGate(models_.gate_probability, setup_.pixel_sigma), innovation_, gate_);
+  accepted_ = innovation_.matches;
+  report.accepted = static_cast<int>(accepted_.size());
+  report.rejected = static_cast<int>(gate_.rejected.size());
+  report.nis_sum = gate_.nis_sum;
 
   stages.begin("update");
-  correct(gated.accepted);
+  correct();
 
   stages.begin("classify");
-  note(gated, out_of_view, frame.index);
-  classify(gated.accepted.matches, frame.index);
-  take_back(all.matches, gated.nis);
+  note(frame.index);
+  classify(frame.index);
+  take_back();
 
   stages.begin("manage");
   retire(report);
@@ -73,7 +72,7 @@ void Ekf::predict(const Frame& frame) {
   JointCovariance& P = state_.covariance;
   const CameraState camera_at = linearisation_.camera(state_);
   const Matrix12d Q = camera_noise(setup_.camera_noise, camera_at, dt);
-  P.propagate(JointState::kCamera, predict_jacobian(camera_at, dt), Q);
+  P.propagate({JointState::kCamera}, predict_jacobian(camera_at, dt), Q);
   state_.camera = slammot::predict(state_.camera, dt);
   for (auto& [track, landmark] : state_.landmarks) {
     if (!landmark.is_free()) continue;
@@ -84,30 +83,31 @@ void Ekf::predict(const Frame& frame) {
     landmark.w = x.tail<3>();
     const Matrix6d G =
         landmark_.noise_root(landmark_.predict(at, dt), setup_.prior.acceleration, dt);
-    P.propagate(landmark.block, F, G * G.transpose());
+    P.propagate({landmark.y_block, landmark.w_block}, F, G * G.transpose());
   }
   linearisation_.predicted(state_, frame.index, dt);
 }
 
-void Ekf::correct(const Innovation& accepted) {
+void Ekf::correct() {
   const double variance = setup_.pixel_sigma * setup_.pixel_sigma;
-  if (!options_.delayed) {
-    update(state_, linearisation_, setup_.camera, accepted, variance, options_.iterations);
-    return;
+  pending_.clear();
+  if (options_.delayed) {
+    const auto is_pending = [&](const Match& m) {
+      return state_.landmarks.at(m.track).record.label == Label::kUnknown;
+    };
+    matches_.clear();
+    for (const Match& m : accepted_) (is_pending(m) ? pending_ : matches_).push_back(m);
+    linearise(state_, linearisation_, setup_.camera, matches_, innovation_);
   }
-  std::vector<Match> classified, pending;
-  for (const Match& m : accepted.matches) {
-    const bool unknown = state_.landmarks.at(m.track).record.label == Label::kUnknown;
-    (unknown ? pending : classified).push_back(m);
+  update(state_, linearisation_, setup_.camera, variance, options_.iterations, innovation_);
+  for (const Match& m : pending_) {
+    update_alone(state_, linearisation_, setup_.camera, m, variance, innovation_);
   }
-  const Innovation first = innovation(state_, linearisation_, setup_.camera, classified);
-  update(state_, linearisation_, setup_.camera, first, variance, options_.iterations);
-  for (const Match& m : pending) update_alone(state_, linearisation_, setup_.camera, m, variance);
 }
 
 // Without a positive diagonal nothing that follows means anything.
 void Ekf::check() const {
-  const auto diagonal = state_.covariance.P().diagonal();
+  const auto diagonal = state_.covariance.diagonal();
   if (!diagonal.allFinite() || diagonal.minCoeff() < 0.0) {
     throw Diverged("the covariance has a negative or infinite variance");
   }

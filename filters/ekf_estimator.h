@@ -25,7 +25,7 @@ class Ekf final : public Estimator {
  private:
   // ekf.cpp: the frame.
   void predict(const Frame& frame);
-  void correct(const Innovation& accepted);
+  void correct();
   void check() const;
 
   // ekf_landmarks.cpp: the life of landmarks.
@@ -35,11 +35,11 @@ class Ekf final : public Estimator {
   FilterAnchor& anchor_here(int frame);
   FilterLandmark& add(TrackRecord record, const Eigen::Vector3d& y, StateBlock block, int frame);
   // What became of each landmark's measurement, into its record.
-  void note(const Gate& gated, const std::set<int>& out_of_view, int frame);
-  void classify(const std::vector<Match>& seen, int frame);
-  void collapse(const std::vector<int>& tracks);
+  void note(int frame);
+  void classify(int frame);
+  void collapse();
   // Takes back static labels that the innovations of this frame reject.
-  void take_back(const std::vector<Match>& measured, const std::vector<double>& nis);
+  void take_back();
   void retire(FrameReport& report);
   LandmarkEstimate estimate(const FilterLandmark& landmark) const;
 
@@ -54,6 +54,14 @@ class Ekf final : public Estimator {
   Linearisation linearisation_;
   std::optional<double> timestamp_;
   int first_frame_ = 0;  // index of the first frame processed
+
+  // Of the frame in hand; kept for their memory.
+  std::vector<Match> matches_, accepted_, pending_;
+  std::vector<int> out_of_view_;  // tracks
+  Innovation innovation_;
+  Gate gate_;
+  std::vector<Observation> unmatched_;
+  std::vector<int> tracks_;  // now static, or lost
 };
 
 }  // namespace slammot

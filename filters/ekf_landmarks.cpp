@@ -30,12 +30,12 @@ void Ekf::admit_known(const Frame& frame, FrameReport& report) {
 
 // Thesis 2.1.3, (2.7): y from pixel, rotation and prior, with its full cross-covariance.
 void Ekf::admit_new(const Frame& frame, FrameReport& report) {
-  std::vector<Observation> candidates;
+  unmatched_.clear();
   for (const Observation& z : frame.observations) {
-    if (!state_.landmarks.contains(z.track)) candidates.push_back(z);
+    if (!state_.landmarks.contains(z.track)) unmatched_.push_back(z);
   }
   const auto births =
-      admit(candidates, static_cast<int>(state_.landmarks.size()), report.accepted, models_.policy);
+      admit(unmatched_, static_cast<int>(state_.landmarks.size()), report.accepted, models_.policy);
   const bool first_frame = frame.index == first_frame_;
   for (const Observation& z : births) {
     const auto here =
@@ -82,51 +82,50 @@ FilterLandmark& Ekf::add(TrackRecord record, const Eigen::Vector3d& y, StateBloc
   landmark.record = record;
   landmark.anchor = frame;
   landmark.y = y;
-  landmark.block = block;
+  landmark.y_block = {block.offset, 3};
+  if (block.dim > 3) landmark.w_block = {block.offset + 3, 3};
   return landmark;
 }
 
-void Ekf::note(const Gate& gated, const std::set<int>& out_of_view, int frame) {
+void Ekf::note(int frame) {
   for (auto& [track, landmark] : state_.landmarks) ++landmark.record.unused_frames;
-  for (const Match& m : gated.accepted.matches) {
-    note_accepted(state_.landmarks.at(m.track).record, frame);
-  }
-  for (const int track : gated.rejected) note_rejected(state_.landmarks.at(track).record);
-  for (const int track : out_of_view) note_rejected(state_.landmarks.at(track).record);
+  for (const Match& m : accepted_) note_accepted(state_.landmarks.at(m.track).record, frame);
+  for (const int track : gate_.rejected) note_rejected(state_.landmarks.at(track).record);
+  for (const int track : out_of_view_) note_rejected(state_.landmarks.at(track).record);
 }
 
 // Thesis 3.1.3, for every landmark measured in this frame whose label is open.
-void Ekf::classify(const std::vector<Match>& seen, int frame) {
-  std::vector<int> now_static;
-  for (const Match& match : seen) {
+void Ekf::classify(int frame) {
+  tracks_.clear();
+  for (const Match& match : accepted_) {
     FilterLandmark& landmark = state_.landmarks.at(match.track);
     if (!is_asked(landmark.record, models_.labels)) continue;
     MotionBelief belief;
     belief.track = match.track;
     belief.w = landmark.w;
-    belief.covariance = state_.covariance.block(landmark.w_block(), landmark.w_block());
+    belief.covariance = state_.covariance.block(landmark.w_block, landmark.w_block);
     belief.prior_sigma = landmark_.prior_sigma(setup_.prior);
     belief.density_scale = landmark_.density_scale(landmark.x());
     note_answer(landmark.record, classifier_->decide(belief), frame);
-    if (landmark.record.label == Label::kStatic) now_static.push_back(match.track);
+    if (landmark.record.label == Label::kStatic) tracks_.push_back(match.track);
   }
-  collapse(now_static);
+  collapse();
 }
 
 // (3.3). `condition` first uses w = 0 as an exact measurement: K = P[:,w] P_ww^-1.
-void Ekf::collapse(const std::vector<int>& tracks) {
-  if (tracks.empty()) return;
+void Ekf::collapse() {
+  if (tracks_.empty()) return;
   if (models_.collapse == "condition") {
-    const auto m = static_cast<Eigen::Index>(3 * tracks.size());
+    const auto m = static_cast<Eigen::Index>(3 * tracks_.size());
     Eigen::MatrixXd P_w(state_.covariance.size(), m);
     Eigen::VectorXd w(m);
     std::vector<int> rows;
-    for (std::size_t i = 0; i < tracks.size(); ++i) {
-      const FilterLandmark& landmark = state_.landmarks.at(tracks[i]);
+    for (std::size_t i = 0; i < tracks_.size(); ++i) {
+      const FilterLandmark& landmark = state_.landmarks.at(tracks_[i]);
       const auto at = static_cast<Eigen::Index>(3 * i);
-      P_w.middleCols(at, 3) = state_.covariance.cols(landmark.w_block());
+      state_.covariance.columns(landmark.w_block, P_w.middleCols(at, 3));
       w.segment<3>(at) = landmark.w;
-      for (int k = 0; k < 3; ++k) rows.push_back(landmark.w_block().offset + k);
+      for (int k = 0; k < 3; ++k) rows.push_back(landmark.w_block.offset + k);
     }
     const Eigen::LLT<Eigen::MatrixXd> P_ww(P_w(rows, Eigen::all));
     if (P_ww.info() != Eigen::Success) throw Diverged("a velocity's covariance is not positive");
@@ -136,13 +135,13 @@ void Ekf::collapse(const std::vector<int>& tracks) {
     state_.covariance.subtract_outer(W);
     linearisation_.correct(state_, dx);
   }
-  state_.drop_motion(tracks);
+  for (const int track : tracks_) state_.drop_motion(track);
 }
 
-void Ekf::take_back(const std::vector<Match>& measured, const std::vector<double>& nis) {
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    TrackRecord& record = state_.landmarks.at(measured[i].track).record;
-    note_innovation(record, nis[i], models_.labels);
+void Ekf::take_back() {
+  for (std::size_t i = 0; i < gate_.measured.size(); ++i) {
+    TrackRecord& record = state_.landmarks.at(gate_.measured[i].track).record;
+    note_innovation(record, gate_.nis[i], models_.labels);
     if (!is_rejected(record, models_.labels)) continue;
     note_freed(record);
     state_.free_motion(record.track, landmark_.prior_sigma(setup_.prior));
@@ -150,7 +149,7 @@ void Ekf::take_back(const std::vector<Match>& measured, const std::vector<double
 }
 
 void Ekf::retire(FrameReport& report) {
-  std::vector<int> lost;
+  tracks_.clear();
   const CameraState c = linearisation_.camera(state_);
   for (auto& [track, landmark] : state_.landmarks) {
     if (landmark.record.unused_frames > 0) {
@@ -159,10 +158,10 @@ void Ekf::retire(FrameReport& report) {
                                            linearisation_.landmark(state_, track).head<3>()));
     }
     if (!is_lost(landmark.record, models_.policy)) continue;
-    lost.push_back(track);
+    tracks_.push_back(track);
     report.retired.push_back(estimate(landmark));
   }
-  state_.remove_landmarks(lost);
+  state_.remove_landmarks(tracks_);
 }
 
 LandmarkEstimate Ekf::estimate(const FilterLandmark& landmark) const {
@@ -172,10 +171,15 @@ LandmarkEstimate Ekf::estimate(const FilterLandmark& landmark) const {
   belief.anchor = anchor.position;
   belief.y = landmark.y;
   belief.w = landmark.w;
-  const StateBlock blocks[] = {anchor.block, landmark.block};
-  belief.covariance.resize(3 + landmark.block.dim, 3 + landmark.block.dim);
-  belief.covariance << P.block(blocks[0], blocks[0]), P.block(blocks[0], blocks[1]),
-      P.block(blocks[1], blocks[0]), P.block(blocks[1], blocks[1]);
+  const StateBlock blocks[] = {anchor.block, landmark.y_block, landmark.w_block};
+  const int dim = 3 + landmark.dim();
+  belief.covariance.resize(dim, dim);
+  for (int i = 0, row = 0; i < 3; row += blocks[i++].dim) {
+    for (int j = 0, column = 0; j < 3; column += blocks[j++].dim) {
+      belief.covariance.block(row, column, blocks[i].dim, blocks[j].dim) =
+          P.block(blocks[i], blocks[j]);
+    }
+  }
   return landmark_.estimate(landmark.record, belief);
 }
 

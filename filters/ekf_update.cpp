@@ -1,10 +1,15 @@
 #include "slammot/filters/ekf_update.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+// LAPACK: the Cholesky factor of one triangle, in place.
+extern "C" void dpotrf_(const char* uplo, const int* n, double* A, const int* lda, int* info);
 
 namespace slammot {
 
 namespace {
+
+using Eigen::Index;
 
 // h at the estimate with the Jacobians of the linearisation point; its own where there are none. At
 // the truth a measurement counts whether or not the estimate sees its landmark: what is learnt must
@@ -23,96 +28,77 @@ std::optional<ObservedPixel> linearised(const JointState& state, const Linearisa
   return there;
 }
 
-}  // namespace
-
-Innovation innovation(const JointState& state, const Linearisation& linearisation,
-                      const Camera& camera, const std::vector<Match>& matches) {
-  Innovation result;
-  for (const Match& match : matches) {
-    const FilterLandmark& landmark = state.landmarks.at(match.track);
-    const auto h = linearised(state, linearisation, camera, landmark);
-    if (!h) continue;
-    result.matches.push_back(match);
-    result.predicted.push_back(*h);
+// P H': a measurement touches 6 + 3 + 3 columns of P.
+void fill_P_Ht(const JointState& state, Innovation& z) {
+  const JointCovariance& P = state.covariance;
+  z.P_Ht.resize(P.size(), z.rows());
+  if (z.rows() == 0) return;
+  z.J_pose.resize(z.rows(), 6);
+  for (Index i = 0; i < std::ssize(z.predicted); ++i) {
+    (*z.J_pose).middleRows<2>(2 * i) = z.predicted[static_cast<std::size_t>(i)].J_pose;
   }
-  const int rows = result.rows();
-  result.nu.resize(rows);
-  result.P_Ht.resize(state.covariance.size(), rows);
-  for (int i = 0; i < rows / 2; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const ObservedPixel& h = result.predicted[k];
-    const FilterLandmark& landmark = state.landmarks.at(result.matches[k].track);
+  z.columns.resize(P.size(), 6);
+  P.columns(JointState::kPose, *z.columns);
+  auto P_Ht = *z.P_Ht;
+  P_Ht.noalias() = *z.columns * (*z.J_pose).transpose();
+  for (std::size_t i = 0; i < z.matches.size(); ++i) {
+    const FilterLandmark& landmark = state.landmarks.at(z.matches[i].track);
     const StateBlock anchor = state.anchors.at(landmark.anchor).block;
-    const JointCovariance& P = state.covariance;
-    result.nu.segment<2>(2 * i) = result.matches[k].pixel - h.pixel;
-    auto columns = result.P_Ht.middleCols<2>(2 * i);
-    columns.noalias() = P.cols(JointState::kPose) * h.J_pose.transpose();
-    columns.noalias() += P.cols(anchor) * h.J_anchor.transpose();
-    columns.noalias() += P.cols(landmark.y_block()) * h.J_y.transpose();
+    const auto columns = P_Ht.middleCols<2>(static_cast<Index>(2 * i));
+    P.add_columns(anchor, z.predicted[i].J_anchor, columns);
+    P.add_columns(landmark.y_block, z.predicted[i].J_y, columns);
   }
-  return result;
 }
 
-Eigen::MatrixXd apply_H(const JointState& state, const Innovation& innovation,
-                        const Eigen::MatrixXd& x) {
-  Eigen::MatrixXd Hx(innovation.rows(), x.cols());
-  for (int i = 0; i < innovation.rows() / 2; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const ObservedPixel& h = innovation.predicted[k];
-    const FilterLandmark& landmark = state.landmarks.at(innovation.matches[k].track);
-    const StateBlock anchor = state.anchors.at(landmark.anchor).block;
-    auto rows = Hx.middleRows<2>(2 * i);
-    rows.noalias() = h.J_pose * x.topRows<6>();
-    rows.noalias() += h.J_anchor * x.middleRows<3>(anchor.offset);
-    rows.noalias() += h.J_y * x.middleRows<3>(landmark.block.offset);
-  }
-  return Hx;
+// The rows of H x of match i, for a matrix x with the state's rows.
+template <typename X, typename Out>
+void rows_of_H(const JointState& state, const Innovation& z, std::size_t i, const X& x, Out&& out) {
+  const ObservedPixel& h = z.predicted[i];
+  const FilterLandmark& landmark = state.landmarks.at(z.matches[i].track);
+  const int anchor = state.anchors.at(landmark.anchor).block.offset;
+  out = h.J_pose.lazyProduct(x.template topRows<6>()) +
+        h.J_anchor.lazyProduct(x.template middleRows<3>(anchor)) +
+        h.J_y.lazyProduct(x.template middleRows<3>(landmark.y_block.offset));
 }
 
-namespace {
-
-Eigen::MatrixXd innovation_covariance(const JointState& state, const Innovation& innovation,
-                                      double pixel_variance) {
-  Eigen::MatrixXd S = apply_H(state, innovation, innovation.P_Ht);
+// The lower triangle of S = H P H' + sigma^2 I.
+void fill_S(const JointState& state, double pixel_variance, Innovation& z) {
+  z.S.resize(z.rows(), z.rows());
+  auto S = *z.S;
+  for (std::size_t i = 0; i < z.matches.size(); ++i) {
+    const auto row = static_cast<Index>(2 * i);
+    rows_of_H(state, z, i, (*z.P_Ht).leftCols(row + 2), S.block(row, 0, 2, row + 2));
+  }
   S.diagonal().array() += pixel_variance;
-  return S;
 }
 
-}  // namespace
-
-Gate gate(const JointState& state, const Innovation& innovation, const PixelGate& test) {
-  const Eigen::MatrixXd HPHt = apply_H(state, innovation, innovation.P_Ht);
-  Gate result;
-  std::vector<int> rows;
-  for (int i = 0; i < innovation.rows() / 2; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double nis = test.nis(innovation.nu.segment<2>(2 * i), HPHt.block<2, 2>(2 * i, 2 * i));
-    result.nis.push_back(nis);
-    if (!test.passes(nis)) {
-      result.rejected.push_back(innovation.matches[k].track);
-      continue;
-    }
-    result.nis_sum += nis;
-    result.accepted.matches.push_back(innovation.matches[k]);
-    result.accepted.predicted.push_back(innovation.predicted[k]);
-    rows.insert(rows.end(), {2 * i, 2 * i + 1});
-  }
-  result.accepted.nu = innovation.nu(rows);
-  result.accepted.P_Ht = innovation.P_Ht(Eigen::all, rows);
-  return result;
+// P H' becomes W = P H' L'^-1 with S = L L', so that W W' = P H' S^-1 H P, and dx = W L^-1 nu.
+void solve(Innovation& z) {
+  auto S = *z.S;
+  const int size = static_cast<int>(z.rows());
+  int info = 0;
+  dpotrf_("L", &size, S.data(), &size, &info);
+  if (info != 0) throw Diverged("the innovation covariance is not positive definite");
+  auto W = *z.P_Ht;
+  S.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(W);
+  Eigen::Map<Eigen::VectorXd> nu(z.nu.data()->data(), z.rows());
+  S.triangularView<Eigen::Lower>().solveInPlace(nu);
+  z.dx.resize(W.rows(), 1);
+  (*z.dx).noalias() = W * nu;
+  if (!(*z.dx).allFinite()) throw Diverged("the correction of the state is not finite");
 }
-
-namespace {
 
 // The innovation at an iterate x_i = x [+] dx, written as one of the prior's coordinates: with
 // dr = J_r dtheta the Jacobian of the iterate, H~ = H dr and nu~ = z - h(x_i) + H~ dx. Where the
 // linearisation point is fixed, H~ = H.
-Innovation relinearise(const JointState& prior, const Linearisation& linearisation,
-                       const Camera& camera, const Innovation& first, const Eigen::VectorXd& dx) {
-  JointState iterate = prior;
+void relinearise(const JointState& prior, const Linearisation& linearisation, const Camera& camera,
+                 const Innovation& first, Innovation& z) {
+  const Eigen::VectorXd dx = *z.dx;
+  JointState iterate{prior.camera, prior.scene, prior.anchors, prior.landmarks, {}};
   iterate.move(dx);
   const Eigen::Matrix3d J_r = right_jacobian_so3(dx.segment<3>(kRotation));
-  Innovation result = first;
+  z.nu = first.nu;
+  z.predicted = first.predicted;
   std::vector<bool> evaluated(first.matches.size(), false);
   for (std::size_t k = 0; k < first.matches.size(); ++k) {
     const FilterLandmark& landmark = iterate.landmarks.at(first.matches[k].track);
@@ -120,63 +106,104 @@ Innovation relinearise(const JointState& prior, const Linearisation& linearisati
                            iterate.anchors.at(landmark.anchor).position, landmark.y);
     if (!h) continue;  // keeps the residual and linearisation it had
     evaluated[k] = true;
-    result.nu.segment<2>(2 * static_cast<int>(k)) = first.matches[k].pixel - h->pixel;
+    z.nu[k] = first.matches[k].pixel - h->pixel;
     if (!linearisation.at_estimate()) continue;
-    result.predicted[k] = *h;
-    result.predicted[k].J_pose.rightCols<3>() *= J_r;
-    const JointCovariance& P = prior.covariance;
-    auto columns = result.P_Ht.middleCols<2>(2 * static_cast<int>(k));
-    columns = P.cols(JointState::kPose) * result.predicted[k].J_pose.transpose() +
-              P.cols(iterate.anchors.at(landmark.anchor).block) * h->J_anchor.transpose() +
-              P.cols(landmark.y_block()) * h->J_y.transpose();
+    z.predicted[k] = *h;
+    z.predicted[k].J_pose.rightCols<3>() *= J_r;
   }
-  const Eigen::VectorXd H_dx = apply_H(prior, result, dx);
+  fill_P_Ht(prior, z);
   for (std::size_t k = 0; k < evaluated.size(); ++k) {
-    const auto row = 2 * static_cast<Eigen::Index>(k);
-    if (evaluated[k]) result.nu.segment<2>(row) += H_dx.segment<2>(row);
+    Eigen::Matrix<double, 2, 1> H_dx;
+    rows_of_H(prior, z, k, dx, H_dx);
+    if (evaluated[k]) z.nu[k] += H_dx;
   }
-  return result;
 }
 
 }  // namespace
 
-void update(JointState& state, const Linearisation& linearisation, const Camera& camera,
-            const Innovation& first, double pixel_variance, int iterations) {
-  if (first.rows() == 0) return;
-  Innovation current = first;
-  Eigen::VectorXd dx;
-  Eigen::MatrixXd W;
-  for (int i = 0; i < iterations; ++i) {
-    if (i > 0) current = relinearise(state, linearisation, camera, first, dx);
-    const Eigen::LLT<Eigen::MatrixXd> S(innovation_covariance(state, current, pixel_variance));
-    if (S.info() != Eigen::Success) {
-      throw Diverged("the innovation covariance is not positive definite");
+void linearise(const JointState& state, const Linearisation& linearisation, const Camera& camera,
+               const std::vector<Match>& matches, Innovation& result) {
+  result.matches.clear();
+  result.predicted.clear();
+  result.nu.clear();
+  result.out_of_view.clear();
+  result.out_of_view.reserve(matches.size());
+  for (const Match& match : matches) {
+    const auto h = linearised(state, linearisation, camera, state.landmarks.at(match.track));
+    if (!h) {
+      result.out_of_view.push_back(match.track);
+      continue;
     }
-    W = current.P_Ht;
-    S.matrixU().solveInPlace<Eigen::OnTheRight>(W);  // W W' = P H' S^-1 H P
-    dx.noalias() = W * S.matrixL().solve(current.nu);
-    if (!dx.allFinite()) throw Diverged("the correction of the state is not finite");
+    result.matches.push_back(match);
+    result.predicted.push_back(*h);
+    result.nu.emplace_back(match.pixel - h->pixel);
   }
-  state.covariance.subtract_outer(W);
-  linearisation.correct(state, dx);
+  fill_P_Ht(state, result);
+}
+
+void gate(const JointState& state, const PixelGate& test, Innovation& innovation, Gate& result) {
+  result.measured = innovation.matches;
+  result.nis.clear();
+  result.rejected.clear();
+  result.rejected.reserve(result.measured.size());
+  result.nis_sum = 0.0;
+  auto P_Ht = *innovation.P_Ht;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < result.measured.size(); ++i) {
+    const auto columns = P_Ht.middleCols<2>(static_cast<Index>(2 * i));
+    Eigen::Matrix2d HPHt;
+    rows_of_H(state, innovation, i, columns, HPHt);
+    const double nis = test.nis(innovation.nu[i], HPHt);
+    result.nis.push_back(nis);
+    if (!test.passes(nis)) {
+      result.rejected.push_back(result.measured[i].track);
+      continue;
+    }
+    result.nis_sum += nis;
+    innovation.matches[kept] = innovation.matches[i];
+    innovation.predicted[kept] = innovation.predicted[i];
+    innovation.nu[kept] = innovation.nu[i];
+    if (kept < i) P_Ht.middleCols<2>(static_cast<Index>(2 * kept)) = columns;
+    ++kept;
+  }
+  innovation.matches.resize(kept);
+  innovation.predicted.resize(kept);
+  innovation.nu.resize(kept);
+  innovation.P_Ht.keep_columns(innovation.rows());
+}
+
+void update(JointState& state, const Linearisation& linearisation, const Camera& camera,
+            double pixel_variance, int iterations, Innovation& innovation) {
+  if (innovation.rows() == 0) return;
+  std::optional<Innovation> first;
+  if (iterations > 1) first = innovation;
+  for (int i = 0; i < iterations; ++i) {
+    if (i > 0) relinearise(state, linearisation, camera, *first, innovation);
+    fill_S(state, pixel_variance, innovation);
+    solve(innovation);
+  }
+  state.covariance.subtract_outer(*innovation.P_Ht);
+  linearisation.correct(state, (*innovation.dx).col(0));
 }
 
 void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,
-                  const Match& match, double pixel_variance) {
-  const Innovation z = innovation(state, linearisation, camera, {match});
-  if (z.rows() == 0) return;
-  const StateBlock own = state.landmarks.at(match.track).block;
-  const Eigen::Matrix2d S = innovation_covariance(state, z, pixel_variance);
-  const Eigen::MatrixXd K = z.P_Ht.middleRows(own.offset, own.dim) * S.inverse();
-  const Eigen::MatrixXd K_S_Kt = K * S * K.transpose();
-  auto P = state.covariance.P();
-  const Eigen::MatrixXd own_block = state.covariance.block(own, own) - K_S_Kt;
-  state.covariance.rows(own).noalias() -= K * z.P_Ht.transpose();
-  P.middleRows(own.offset, own.dim).middleCols(own.offset, own.dim) =
-      0.5 * (own_block + own_block.transpose());
-  P.middleCols(own.offset, own.dim) = P.middleRows(own.offset, own.dim).transpose();
-  Eigen::VectorXd dx = Eigen::VectorXd::Zero(state.covariance.size());
-  dx.segment(own.offset, own.dim) = K * z.nu;
+                  const Match& match, double pixel_variance, Innovation& memory) {
+  linearise(state, linearisation, camera, {match}, memory);
+  if (memory.rows() == 0) return;
+  fill_S(state, pixel_variance, memory);
+  const Eigen::Matrix2d S = Eigen::Matrix2d(*memory.S).selfadjointView<Eigen::Lower>();
+  const FilterLandmark& landmark = state.landmarks.at(match.track);
+  const auto P_Ht = *memory.P_Ht;
+  Eigen::VectorXd dx = Eigen::VectorXd::Zero(P_Ht.rows());
+  Eigen::MatrixXd K(landmark.dim(), 2);
+  K << P_Ht.middleRows(landmark.y_block.offset, landmark.y_block.dim),
+      P_Ht.middleRows(landmark.w_block.offset, landmark.w_block.dim);
+  K *= S.inverse();
+  state.covariance.subtract_alone({landmark.y_block, landmark.w_block}, P_Ht * K.transpose(),
+                                  K * S * K.transpose());
+  const Eigen::VectorXd own = K * memory.nu.front();
+  dx.segment<3>(landmark.y_block.offset) = own.head<3>();
+  if (landmark.is_free()) dx.segment<3>(landmark.w_block.offset) = own.tail<3>();
   state.move(dx);
 }
 

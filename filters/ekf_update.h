@@ -2,6 +2,7 @@
 // measurements of a frame. Knows nothing of how landmarks move: all models observe alike.
 #pragma once
 
+#include "slammot/filters/growing_matrix.h"
 #include "slammot/filters/linearisation.h"
 #include "slammot/models/gate.h"
 #include "slammot/models/observation.h"
@@ -15,42 +16,44 @@ struct Match {
 };
 
 // The measurements of a frame linearised at the state: innovation nu = z - h(x), H as its thin
-// product P H' (n x 2m), S = H P H' + R. Two rows (columns) a match, in the order of the matches.
+// product P H' (n x 2m). Two rows (columns) a match, in the order of the matches. Kept from frame
+// to frame for its memory.
 struct Innovation {
   std::vector<Match> matches;
   std::vector<ObservedPixel> predicted;
-  Eigen::VectorXd nu;
-  Eigen::MatrixXd P_Ht;
+  std::vector<Eigen::Vector2d> nu;
+  GrowingMatrix P_Ht;
+  std::vector<int> out_of_view;  // tracks measured whose landmark is not expected in view
 
-  int rows() const { return 2 * static_cast<int>(matches.size()); }
+  Eigen::Index rows() const { return 2 * std::ssize(matches); }
+  Eigen::Map<const Eigen::VectorXd> stacked_nu() const { return {nu.data()->data(), rows()}; }
+
+  GrowingMatrix columns, J_pose, S, dx;  // working memory
 };
 
 // Linearises; matches whose landmark is not expected in view are left out (observation.h).
-Innovation innovation(const JointState& state, const Linearisation& linearisation,
-                      const Camera& camera, const std::vector<Match>& matches);
-
-// H x for a vector or matrix x with the state's rows; `x` may be P H', which gives H P H'.
-Eigen::MatrixXd apply_H(const JointState& state, const Innovation& innovation,
-                        const Eigen::MatrixXd& x);
+void linearise(const JointState& state, const Linearisation& linearisation, const Camera& camera,
+               const std::vector<Match>& matches, Innovation& result);
 
 struct Gate {
-  Innovation accepted;
-  std::vector<int> rejected;  // tracks
-  std::vector<double> nis;    // of every match of the innovation
-  double nis_sum = 0.0;       // over the accepted
+  std::vector<Match> measured;  // the matches of the innovation
+  std::vector<double> nis;      // of each of them
+  std::vector<int> rejected;    // tracks
+  double nis_sum = 0.0;         // over the accepted
 };
 
-// Each match on its own.
-Gate gate(const JointState& state, const Innovation& innovation, const PixelGate& test);
+// Each match on its own; the accepted ones are left in the innovation.
+void gate(const JointState& state, const PixelGate& test, Innovation& innovation, Gate& result);
 
-// x and P after the measurements. `iterations` Gauss-Newton steps on the same prior (1: EKF).
-// Throws Diverged when S is not positive definite or the correction not finite.
+// x and P after the measurements. `iterations` Gauss-Newton steps on the same prior (1: EKF); of
+// the innovation only the memory is left. Throws Diverged when S is not positive definite or the
+// correction not finite.
 void update(JointState& state, const Linearisation& linearisation, const Camera& camera,
-            const Innovation& first, double pixel_variance, int iterations);
+            double pixel_variance, int iterations, Innovation& innovation);
 
 // A measurement that moves only its own landmark, the rest of the state being considered but not
 // corrected (Schmidt's gain): what a delayed initialisation would know of it.
 void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,
-                  const Match& match, double pixel_variance);
+                  const Match& match, double pixel_variance, Innovation& memory);
 
 }  // namespace slammot

@@ -4,87 +4,178 @@
 
 namespace slammot {
 
+namespace {
+
+using Block = JointCovariance::Block;
+
+Block symmetric(const Block& M) { return 0.5 * (M + M.transpose()); }
+
+int dim_of(std::initializer_list<StateBlock> b) {
+  int dim = 0;
+  for (const StateBlock& block : b) dim += block.dim;
+  return dim;
+}
+
+// The rows b of a matrix with the state's rows.
+Block rows_of(std::initializer_list<StateBlock> b, Eigen::Ref<const Eigen::MatrixXd> x) {
+  Block rows(dim_of(b), x.cols());
+  int row = 0;
+  for (const StateBlock& block : b) {
+    rows.middleRows(row, block.dim) = x.middleRows(block.offset, block.dim);
+    row += block.dim;
+  }
+  return rows;
+}
+
+}  // namespace
+
 void JointCovariance::reserve(int size) {
   if (size <= storage_.rows()) return;
-  const int capacity = std::max(size, static_cast<int>(storage_.rows()) * 3 / 2 + 64);
+  int capacity = std::max(size, static_cast<int>(storage_.rows()) * 3 / 2 + 64);
+  capacity += 8 - capacity % 16 +
+              (capacity % 16 > 8 ? 16 : 0);  // no power of two: rows would share cache sets
   Eigen::MatrixXd larger(capacity, capacity);
-  larger.topLeftCorner(size_, size_) = P();
+  larger.topLeftCorner(size_, size_) = storage_.topLeftCorner(size_, size_);
   storage_.swap(larger);
 }
 
-StateBlock JointCovariance::append(const std::vector<Dependence>& dependences,
-                                   const Eigen::MatrixXd& R) {
+Eigen::MatrixXd JointCovariance::dense() const {
+  return storage_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>();
+}
+
+JointCovariance::Block JointCovariance::block(StateBlock a, StateBlock b) const {
+  if (a.end() <= b.offset) return storage_.block(a.offset, b.offset, a.dim, b.dim);
+  if (b.end() <= a.offset) return storage_.block(b.offset, a.offset, b.dim, a.dim).transpose();
+  Block result(a.dim, b.dim);
+  for (int j = 0; j < b.dim; ++j) {
+    for (int i = 0; i < a.dim; ++i) {
+      const int row = a.offset + i, column = b.offset + j;
+      result(i, j) = storage_(std::min(row, column), std::max(row, column));
+    }
+  }
+  return result;
+}
+
+void JointCovariance::columns(StateBlock b, Eigen::Ref<Eigen::MatrixXd> out) const {
+  out.topRows(b.offset) = storage_.block(0, b.offset, b.offset, b.dim);
+  out.middleRows(b.offset, b.dim) = block(b, b);
+  for (int j = b.end(); j < size_; ++j) {  // P's columns outermost: each is far from the next
+    const double* column = &storage_(b.offset, j);
+    for (int k = 0; k < b.dim; ++k) out(j, k) = column[k];
+  }
+}
+
+void JointCovariance::add_columns(StateBlock b, const Eigen::Matrix<double, 2, 3>& J,
+                                  Eigen::Ref<Eigen::MatrixX2d> out) const {
+  const auto above = storage_.block<Eigen::Dynamic, 3>(0, b.offset, b.offset, 3);
+  for (int k = 0; k < 2; ++k) {
+    out.col(k).head(b.offset) +=
+        J(k, 0) * above.col(0) + J(k, 1) * above.col(1) + J(k, 2) * above.col(2);
+  }
+  out.middleRows<3>(b.offset) += block(b, b) * J.transpose();
+  double* const out_0 = out.col(0).data();
+  double* const out_1 = out.col(1).data();
+  for (int j = b.end(); j < size_; ++j) {
+    const double* const p = &storage_(b.offset, j);
+    out_0[j] += J(0, 0) * p[0] + J(0, 1) * p[1] + J(0, 2) * p[2];
+    out_1[j] += J(1, 0) * p[0] + J(1, 1) * p[1] + J(1, 2) * p[2];
+  }
+}
+
+void JointCovariance::gather(std::initializer_list<StateBlock> b) {
+  gathered_.resize(size_, dim_of(b));
+  int column = 0;
+  for (const StateBlock& c : b) {
+    columns(c, (*gathered_).middleCols(column, c.dim));
+    column += c.dim;
+  }
+}
+
+void JointCovariance::scatter(std::initializer_list<StateBlock> b, const Block& own) {
+  int column = 0;
+  for (const StateBlock& c : b) {
+    const auto values = (*gathered_).middleCols(column, c.dim);
+    const int after = size_ - c.end();
+    storage_.block(0, c.offset, c.offset, c.dim) = values.topRows(c.offset);
+    storage_.block(c.offset, c.end(), c.dim, after) = values.bottomRows(after).transpose();
+    column += c.dim;
+  }
+  int row = 0;
+  for (const StateBlock& r : b) {
+    column = 0;
+    for (const StateBlock& c : b) {
+      if (r.offset <= c.offset) {
+        storage_.block(r.offset, c.offset, r.dim, c.dim) = own.block(row, column, r.dim, c.dim);
+      }
+      column += c.dim;
+    }
+    row += r.dim;
+  }
+}
+
+StateBlock JointCovariance::append(const std::vector<Dependence>& dependences, const Block& R) {
   const int dim = static_cast<int>(R.rows());
   reserve(size_ + dim);
   const StateBlock added{size_, dim};
-  Eigen::MatrixXd cross = Eigen::MatrixXd::Zero(dim, size_);
-  for (const Dependence& d : dependences) cross.noalias() += d.J * rows(d.on);
-  Eigen::MatrixXd own = R;
+  auto cross = storage_.block(0, size_, size_, dim);
+  cross.setZero();
   for (const Dependence& d : dependences) {
-    own += cross.middleCols(d.on.offset, d.on.dim) * d.J.transpose();
+    gathered_.resize(size_, d.on.dim);
+    columns(d.on, *gathered_);
+    cross.noalias() += *gathered_ * d.J.transpose();
   }
-  storage_.block(size_, 0, dim, size_) = cross;
-  storage_.block(0, size_, size_, dim) = cross.transpose();
-  storage_.block(size_, size_, dim, dim) = 0.5 * (own + own.transpose());
+  Block own = R;
+  for (const Dependence& d : dependences) own += d.J * cross.middleRows(d.on.offset, d.on.dim);
+  storage_.block(size_, size_, dim, dim) = symmetric(own);
   size_ += dim;
   return added;
 }
 
-void JointCovariance::transform(StateBlock b, const Eigen::MatrixXd& J) {
-  auto columns = storage_.block(0, b.offset, size_, b.dim);
-  const Eigen::MatrixXd own = J * block(b, b) * J.transpose();
-  const Eigen::MatrixXd moved = columns * J.transpose();
-  columns = moved;
-  rows(b) = moved.transpose();
-  storage_.block(b.offset, b.offset, b.dim, b.dim) = 0.5 * (own + own.transpose());
+void JointCovariance::propagate(std::initializer_list<StateBlock> b, const Block& F,
+                                const Block& Q) {
+  gather(b);
+  factor_.resize(size_, F.cols());
+  factor_.swap(gathered_);
+  (*gathered_).noalias() = *factor_ * F.transpose();
+  scatter(b, symmetric(F * rows_of(b, *gathered_)) + Q);
 }
 
-void JointCovariance::propagate(StateBlock b, const Eigen::MatrixXd& F, const Eigen::MatrixXd& Q) {
-  transform(b, F);
-  storage_.block(b.offset, b.offset, b.dim, b.dim) += Q;
+void JointCovariance::transform(std::initializer_list<StateBlock> b, const Block& J) {
+  propagate(b, J, Block::Zero(J.rows(), J.rows()));
 }
 
 void JointCovariance::add_dependence(StateBlock b, const Eigen::MatrixXd& B) {
   // P + B P_b' + P_b B' + B P_bb B' = P + B C' + C B'
-  const Eigen::MatrixXd C = cols(b) + 0.5 * B * block(b, b);
-  P().noalias() += B * C.transpose();
-  P().noalias() += C * B.transpose();
+  Eigen::MatrixXd C(size_, b.dim);
+  columns(b, C);
+  C += 0.5 * B * block(b, b);
+  auto P = storage_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>();
+  for (int j = 0; j < b.dim; ++j) P.rankUpdate(B.col(j), C.col(j));
 }
 
-void JointCovariance::subtract_outer(const Eigen::MatrixXd& W) {
-  auto P_n = P();
-  P_n.selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
-  P_n.triangularView<Eigen::StrictlyUpper>() = P_n.transpose();
+void JointCovariance::subtract_outer(Eigen::Ref<const Eigen::MatrixXd> W) {
+  storage_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>().rankUpdate(W, -1.0);
 }
 
-void JointCovariance::remove(const std::vector<StateBlock>& blocks) {
-  if (blocks.empty()) return;
-  std::vector<StateBlock> kept;
-  int begin = 0;
-  for (const StateBlock& b : blocks) {
-    if (b.offset > begin) kept.push_back({begin, b.offset - begin});
-    begin = b.end();
-  }
-  if (begin < size_) kept.push_back({begin, size_ - begin});
-  int column = 0;
-  for (const StateBlock& c :
-       kept) {  // what is written lies left of and above what is still to read
-    for (int j = 0; j < c.dim; ++j, ++column) {
-      int row = 0;
-      for (const StateBlock& r : kept) {
-        const double* from = &storage_(r.offset, c.offset + j);
-        std::copy(from, from + r.dim, &storage_(row, column));
-        row += r.dim;
-      }
-    }
-  }
-  size_ = column;
+void JointCovariance::subtract_alone(std::initializer_list<StateBlock> b, const Eigen::MatrixXd& C,
+                                     const Block& D) {
+  gather(b);
+  const Block own = symmetric(rows_of(b, *gathered_) - D);
+  *gathered_ -= C;
+  scatter(b, own);
 }
 
-int shifted(int offset, const std::vector<StateBlock>& removed) {
-  int shift = 0;
-  for (const StateBlock& b : removed) shift += b.offset < offset ? b.dim : 0;
-  return offset - shift;
+std::optional<StateBlock> JointCovariance::remove(StateBlock b) {
+  size_ -= b.dim;
+  if (b.offset == size_) return std::nullopt;
+  const StateBlock last{size_, b.dim};
+  const int between = last.offset - b.end();
+  storage_.block(0, b.offset, b.offset, b.dim) = storage_.block(0, last.offset, b.offset, b.dim);
+  storage_.block(b.offset, b.offset, b.dim, b.dim) =
+      storage_.block(last.offset, last.offset, b.dim, b.dim);
+  storage_.block(b.offset, b.end(), b.dim, between) =
+      storage_.block(b.end(), last.offset, between, b.dim).transpose();
+  return last;
 }
 
 }  // namespace slammot

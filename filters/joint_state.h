@@ -1,8 +1,8 @@
 // The joint state chi = (camera, anchors, landmarks) of the EKF, thesis (2.1), with its covariance.
 //
 // Landmarks born in one frame share one anchor: its rows are identical for all of them for ever, so
-// they are stored once. Layout of the error state: camera 12, then anchors (3) and landmarks (3
-// when static, 6 when free: y, w) in the order of their births.
+// they are stored once. Layout of the error state: camera 12, the scene's depth (1) when it is to
+// be learnt, then places of 3 in any order: an anchor, the y of a landmark, the w of a free one.
 #pragma once
 
 #include <map>
@@ -25,11 +25,11 @@ struct FilterLandmark {
   int anchor = 0;                               // key of JointState::anchors
   Eigen::Vector3d y;                            // (theta, phi, rho)
   Eigen::Vector3d w = Eigen::Vector3d::Zero();  // motion, of the landmark model; zero when static
-  StateBlock block;
+  StateBlock y_block;
+  StateBlock w_block;  // empty when static
 
-  bool is_free() const { return block.dim == 6; }
-  StateBlock y_block() const { return {block.offset, 3}; }
-  StateBlock w_block() const { return {block.offset + 3, 3}; }
+  bool is_free() const { return w_block.dim > 0; }
+  int dim() const { return y_block.dim + w_block.dim; }
   Vector6d x() const { return (Vector6d() << y, w).finished(); }
 };
 
@@ -52,22 +52,22 @@ struct JointState {
 
   // x := x [+] dx for the whole state. P is then expressed in the coordinates at the new estimate:
   // the error of the rotation is multiplied by the right Jacobian of its correction.
-  void correct(const Eigen::VectorXd& dx);
+  void correct(Eigen::Ref<const Eigen::VectorXd> dx);
 
   // The same without touching P: for an iterate.
-  void move(const Eigen::VectorXd& dx);
+  void move(Eigen::Ref<const Eigen::VectorXd> dx);
 
   // Removes landmarks, and anchors that nobody uses any more.
   void remove_landmarks(const std::vector<int>& tracks);
 
-  // Landmarks become static: their motion is dropped from the state (its rows are marginalised).
-  void drop_motion(const std::vector<int>& tracks);
+  // A landmark becomes static: its motion is dropped from the state (its rows are marginalised).
+  void drop_motion(int track);
 
   // A static landmark is free again, with w ~ N(0, sigma^2 I).
   void free_motion(int track, double sigma);
 
  private:
-  void remove_blocks(std::vector<StateBlock> blocks);
+  void remove_block(StateBlock block);
 };
 
 }  // namespace slammot

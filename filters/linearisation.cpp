@@ -55,7 +55,7 @@ void Linearisation::predicted_first_estimate(const JointState& state,
   const int track = landmark.record.track;
   if (settled_.contains(track)) return;
   landmarks_[track] = landmark.x();
-  const StateBlock rho{landmark.block.offset + 2, 1};
+  const StateBlock rho{landmark.y_block.offset + 2, 1};
   const double sigma = std::sqrt(state.covariance.block(rho, rho)(0, 0));
   if (!landmark.is_free() && sigma < kKnownDepth * std::abs(landmark.y.z())) settled_.insert(track);
 }
@@ -149,17 +149,17 @@ void invariant_reset(const JointState& before, JointState& after) {
   }
   for (const auto& [track, landmark] : after.landmarks) {
     const FilterLandmark& old = before.landmarks.at(track);
-    B.middleRows<2>(landmark.block.offset) = turned(landmark.y) - turned(old.y);
-    if (landmark.is_free()) moved(landmark.w_block().offset, old.w, landmark.w);
+    B.middleRows<2>(landmark.y_block.offset) = turned(landmark.y) - turned(old.y);
+    if (landmark.is_free()) moved(landmark.w_block.offset, old.w, landmark.w);
   }
   const Eigen::Matrix3d R = before.camera.orientation.toRotationMatrix();
   P.add_dependence({kRotation, 3}, B * R);
-  P.transform({kRotation, 3}, after.camera.orientation.conjugate().toRotationMatrix() * R);
+  P.transform({{kRotation, 3}}, after.camera.orientation.conjugate().toRotationMatrix() * R);
 }
 
 }  // namespace
 
-void Linearisation::correct(JointState& state, const Eigen::VectorXd& dx) const {
+void Linearisation::correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx) const {
   if (kind_ == Kind::kStandard) {
     state.correct(dx);
   } else if (kind_ == Kind::kInvariant) {

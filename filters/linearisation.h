@@ -56,7 +56,7 @@ class Linearisation {
 
   // x := x [+] dx after an update or a collapse. Only `standard` re-expresses P at the new
   // estimate: elsewhere its coordinates are those of the fixed points.
-  void correct(JointState& state, const Eigen::VectorXd& dx) const;
+  void correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx) const;
 
  private:
   enum class Kind { kStandard, kFej, kIdeal, kInvariant };

@@ -22,8 +22,10 @@ void note_answer(TrackRecord& record, Label answer, int frame) {
 
 void note_innovation(TrackRecord& record, double nis, const LabelOptions& options) {
   if (!reversible(options) || record.label != Label::kStatic) return;
-  record.static_nis.push_back(nis);
-  if (static_cast<int>(record.static_nis.size()) > options.window) record.static_nis.pop_front();
+  std::vector<double>& kept = record.static_nis;
+  kept.reserve(static_cast<std::size_t>(options.window));
+  if (std::ssize(kept) == options.window) kept.erase(kept.begin());
+  kept.push_back(nis);
 }
 
 bool is_rejected(const TrackRecord& record, const LabelOptions& options) {

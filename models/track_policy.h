@@ -2,7 +2,6 @@
 // and when it is given up.
 #pragma once
 
-#include <deque>
 #include <vector>
 
 #include "slammot/models/estimator.h"
@@ -19,10 +18,10 @@ struct TrackRecord {
   int last_frame = 0;
   std::optional<int> decision_frame;
   int observations = 0;
-  int unused_frames = 0;          // frames since the newest accepted measurement
-  int rejected_in_row = 0;        // measurements rejected since then
-  int missed = 0;                 // frames since then in which it was predicted in view
-  std::deque<double> static_nis;  // of its latest measurements while static (label_policy.h)
+  int unused_frames = 0;           // frames since the newest accepted measurement
+  int rejected_in_row = 0;         // measurements rejected since then
+  int missed = 0;                  // frames since then in which it was predicted in view
+  std::vector<double> static_nis;  // of its latest measurements while static (label_policy.h)
 };
 
 TrackRecord born(int track, int frame, Label label, bool first_frame);

@@ -1,0 +1,27 @@
+// The benchmarks' world: a camera that looks sideways while it passes a long strip of static and
+// moving points. What leaves the view stays in the map, so that the map grows without end while a
+// frame measures the same number of landmarks; births and deaths come in every frame.
+#pragma once
+
+#include "slammot/eval/configuration.h"
+#include "slammot/models/estimator.h"
+
+namespace slammot::bench {
+
+struct Corridor {
+  Setup setup;
+  std::vector<Frame> frames;
+};
+
+struct CorridorOptions {
+  int frames = 0;
+  int visible = 40;               // landmarks measured in a frame: the cap of the map's policy
+  double moving_fraction = 0.25;  // of the points
+};
+
+Corridor make_corridor(const CorridorOptions& options);
+
+// The default configuration with as many landmarks as come, `visible` at a time.
+Configuration corridor_configuration(const CorridorOptions& options);
+
+}  // namespace slammot::bench
