@@ -10,7 +10,6 @@ NormalEquations::NormalEquations(const Graph& graph, double damping) {
   place_variables(graph);
   add_prior(graph);
   add_factors(graph);
-  U_.diagonal() *= 1.0 + damping;
   eliminate_groups(damping);
   core_.compute(U_);
   if (core_.info() != Eigen::Success) {
@@ -18,26 +17,39 @@ NormalEquations::NormalEquations(const Graph& graph, double damping) {
   }
 }
 
+namespace {
+
+bool is_unit_prior(const Factor& factor) {
+  return factor.variables.size() == 1 && factor.J.front().rows() == factor.J.front().cols() &&
+         factor.J.front().isIdentity(0.0);
+}
+
+}  // namespace
+
 void NormalEquations::place_variables(const Graph& graph) {
-  std::map<int, int> group_of;  // by owner
-  for (const VariableId id : graph.prior().variables) {
-    const int dim = graph.variables().at(id).dim();
-    places_[id] = {-1, core_dim_, dim};
+  const auto in_core = [&](int dim) {
+    const Place place{Place::Part::kCore, -1, core_dim_, dim};
     core_dim_ += dim;
+    return place;
+  };
+  for (const VariableId id : graph.prior().variables) {
+    places_[id] = in_core(graph.variables().at(id).dim());
   }
+  std::set<VariableId> noises;
+  for (const auto& [id, factor] : graph.factors()) {
+    if (is_unit_prior(factor)) noises.insert(factor.variables.front());
+  }
+  std::map<int, int> group_of_owner;
   for (const auto& [id, v] : graph.variables()) {
     if (places_.contains(id)) continue;
     if (v.owner < 0) {
-      places_[id] = {-1, core_dim_, v.dim()};
-      core_dim_ += v.dim();
+      places_[id] = in_core(v.dim());
       continue;
     }
-    const auto [it, is_new] = group_of.try_emplace(v.owner, static_cast<int>(groups_.size()));
+    const auto [it, is_new] = group_of_owner.try_emplace(v.owner, static_cast<int>(groups_.size()));
     if (is_new) groups_.emplace_back();
-    Group& group = groups_[static_cast<std::size_t>(it->second)];
-    places_[id] = {it->second, group.dim, v.dim()};
-    group.variables.push_back(id);
-    group.dim += v.dim();
+    const auto k = static_cast<std::size_t>(it->second);
+    places_[id] = groups_[k].add_variable(it->second, v.dim(), noises.contains(id));
   }
   U_.setZero(core_dim_, core_dim_);
   g_.setZero(core_dim_);
@@ -63,68 +75,40 @@ void NormalEquations::add_prior(const Graph& graph) {
 }
 
 void NormalEquations::add_factors(const Graph& graph) {
-  // First which core columns each group is tied to, then the sums.
-  std::vector<std::vector<const Place*>> places;         // by factor and variable
-  std::vector<std::map<int, int>> ties(groups_.size());  // by offset in the core: columns
-  places.reserve(graph.factors().size());
+  reduced_g_ = g_;
+  std::vector<Places> all;
+  std::vector<int> group;  // of each factor, or -1
+  all.reserve(graph.factors().size());
   for (const auto& [id, factor] : graph.factors()) {
-    auto& of_factor = places.emplace_back();
-    int group = -1;
+    Places& places = all.emplace_back();
+    group.push_back(-1);
     for (const VariableId v : factor.variables) {
-      of_factor.push_back(&places_.at(v));
-      group = std::max(group, of_factor.back()->group);
+      places.push_back(&places_.at(v));
+      group.back() = std::max(group.back(), places.back()->group);
     }
-    if (group < 0) continue;
-    for (const Place* p : of_factor) {
-      if (p->group < 0) ties[static_cast<std::size_t>(group)][p->offset] = p->dim;
+    if (group.back() >= 0) {
+      groups_[static_cast<std::size_t>(group.back())].tie(places, factor.r.size());
     }
   }
-  for (std::size_t k = 0; k < groups_.size(); ++k) {
-    Group& group = groups_[k];
-    for (auto& [offset, column] : ties[k]) {
-      const int dim = column;
-      column = static_cast<int>(group.core_columns.size());
-      for (int i = 0; i < dim; ++i) group.core_columns.push_back(offset + i);
-    }
-    group.V.setZero(group.dim, group.dim);
-    group.W.setZero(group.dim, static_cast<Eigen::Index>(group.core_columns.size()));
-    group.g.setZero(group.dim);
+  for (LandmarkGroup& g : groups_) g.begin();
+  std::size_t i = 0;
+  for (const auto& [id, factor] : graph.factors()) {
+    if (group[i] >= 0) groups_[static_cast<std::size_t>(group[i])].add(factor, all[i]);
+    add_to_core(factor, all[i++]);
   }
-  auto of_factor = places.begin();
-  for (const auto& [id, factor] : graph.factors()) add_factor(factor, *of_factor++, ties);
 }
 
-// The columns of a factor that belong to a group stand together, from the first to the last that it
-// touches, as J_group; then H gets J_group'J_group, J_group'J_core and J_core'J_core.
-void NormalEquations::add_factor(const Factor& factor, const std::vector<const Place*>& places,
-                                 const std::vector<std::map<int, int>>& ties) {
-  int group_index = -1, first = 0, end = 0;
-  for (const Place* p : places) {
-    if (p->group < 0) continue;
-    first = group_index < 0 ? p->offset : std::min(first, p->offset);
-    end = std::max(end, p->offset + p->dim);
-    group_index = p->group;
-  }
-  J_group_.setZero(factor.r.size(), end - first);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Place& p = *places[i];
-    if (p.group >= 0) J_group_.middleCols(p.offset - first, p.dim) = factor.J[i];
-  }
-  if (group_index >= 0) {
-    Group& group = groups_[static_cast<std::size_t>(group_index)];
-    group.V.block(first, first, end - first, end - first) +=
-        J_group_.transpose().lazyProduct(J_group_);
-    group.g.segment(first, end - first) += J_group_.transpose().lazyProduct(factor.r);
-  }
+// What a factor says of the core. Where noises of a group stand beside it, H gets it once these are
+// eliminated.
+void NormalEquations::add_to_core(const Factor& factor, const Places& places) {
+  const bool has_noise = LandmarkGroup::has_noise(places);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Place& a = *places[i];
     if (a.group >= 0) continue;
-    g_.segment(a.offset, a.dim) += factor.J[i].transpose().lazyProduct(factor.r);
-    if (group_index >= 0) {
-      const auto k = static_cast<std::size_t>(group_index);
-      groups_[k].W.block(first, ties[k].at(a.offset), end - first, a.dim) +=
-          J_group_.transpose().lazyProduct(factor.J[i]);
-    }
+    const SmallVector g = factor.J[i].transpose().lazyProduct(factor.r);
+    g_.segment(a.offset, a.dim) += g;
+    if (has_noise) continue;
+    reduced_g_.segment(a.offset, a.dim) += g;
     for (std::size_t j = 0; j < places.size(); ++j) {
       const Place& b = *places[j];
       if (b.group >= 0 || b.offset > a.offset) continue;  // U's lower triangle
@@ -135,59 +119,51 @@ void NormalEquations::add_factor(const Factor& factor, const std::vector<const P
 }
 
 void NormalEquations::eliminate_groups(double damping) {
-  reduced_g_ = g_;
-  Eigen::MatrixXd WVW;
-  for (Group& group : groups_) {
-    group.V.diagonal() *= 1.0 + damping;
-    group.llt.compute(group.V);
-    if (group.llt.info() != Eigen::Success) {
-      throw Diverged("the states of a landmark in the window are not determined");
-    }
-    group.LW = group.llt.matrixL().solve(group.W);
-    const Eigen::VectorXd Lg = group.llt.matrixL().solve(group.g);
-    const std::vector<int>& columns = group.core_columns;  // ascending
-    const auto n = static_cast<Eigen::Index>(columns.size());
-    if (n == 0) continue;  // tied to nothing yet; BLAS refuses matrices without columns
-    WVW.setZero(n, n);
-    WVW.selfadjointView<Eigen::Lower>().rankUpdate(group.LW.transpose());
-    reduced_g_(columns) -= group.LW.transpose() * Lg;
+  Eigen::VectorXd squares = U_.diagonal();
+  for (LandmarkGroup& group : groups_) {
+    group.eliminate(damping);
+    const std::vector<int>& columns = group.columns();
+    if (damping > 0.0) squares(columns) += group.squares();
+    reduced_g_(columns) += group.gradient();
+    const auto n = std::ssize(columns);
     for (Eigen::Index j = 0; j < n; ++j) {
       double* column = &U_(0, columns[static_cast<std::size_t>(j)]);
+      const auto of_group = group.information().col(j);
       for (Eigen::Index i = j; i < n; ++i)
-        column[columns[static_cast<std::size_t>(i)]] -= WVW(i, j);
+        column[columns[static_cast<std::size_t>(i)]] += of_group(i);
     }
   }
+  U_.diagonal() += damping * squares;
+}
+
+Eigen::VectorXd NormalEquations::part(const Place& place, const Eigen::VectorXd& core,
+                                      const std::vector<LandmarkGroup::Part>& groups) const {
+  if (place.group < 0) return core.segment(place.offset, place.dim);
+  const LandmarkGroup::Part& group = groups[static_cast<std::size_t>(place.group)];
+  const bool is_noise = place.part == Place::Part::kNoises;
+  return (is_noise ? group.noises : group.states).segment(place.offset, place.dim);
 }
 
 Step NormalEquations::step() const {
   const Eigen::VectorXd core = -core_.solve(reduced_g_);
   if (!core.allFinite()) throw Diverged("the step of the window is not finite");
-  std::vector<Eigen::VectorXd> parts;
-  for (const Group& group : groups_) {
-    const Eigen::VectorXd tied = core(group.core_columns);
-    parts.push_back(-group.llt.solve(group.g + group.W * tied));
-  }
+  std::vector<LandmarkGroup::Part> parts;
+  for (const LandmarkGroup& group : groups_) parts.push_back(group.step(core));
   Step step;
-  for (const auto& [id, place] : places_) {
-    const Eigen::VectorXd& source =
-        place.group < 0 ? core : parts[static_cast<std::size_t>(place.group)];
-    step[id] = source.segment(place.offset, place.dim);
-  }
+  for (const auto& [id, place] : places_) step[id] = part(place, core, parts);
   return step;
 }
 
 double NormalEquations::slope(const Step& step) const {
+  std::vector<LandmarkGroup::Part> parts;
+  for (const LandmarkGroup& group : groups_) parts.push_back(group.slope());
   double sum = 0.0;
-  for (const auto& [id, place] : places_) {
-    const Eigen::VectorXd& g =
-        place.group < 0 ? g_ : groups_[static_cast<std::size_t>(place.group)].g;
-    sum += g.segment(place.offset, place.dim).dot(step.at(id));
-  }
+  for (const auto& [id, place] : places_) sum += part(place, g_, parts).dot(step.at(id));
   return sum;
 }
 
-// With C the form's columns in the core once its group is eliminated, and E those in the group,
-// J Sigma J' = C' S^-1 C + E' V^-1 E.
+// With C the form's columns in the core once its group is eliminated, J Sigma J' is what the group
+// adds and C' S^-1 C.
 std::vector<Eigen::MatrixXd> NormalEquations::covariances(
     const std::vector<LinearForm>& forms) const {
   Eigen::Index total = 0;
@@ -198,8 +174,8 @@ std::vector<Eigen::MatrixXd> NormalEquations::covariances(
   for (const LinearForm& form : forms) {
     const Eigen::Index rows = form.J.rows();
     auto C_form = C.middleCols(column, rows);
-    const Group* group = nullptr;
-    Eigen::MatrixXd E;
+    const LandmarkGroup* group = nullptr;
+    Eigen::MatrixXd E_states, E_noises;
     Eigen::Index at = 0;
     for (const VariableId id : form.variables) {
       const Place& place = places_.at(id);
@@ -209,18 +185,19 @@ std::vector<Eigen::MatrixXd> NormalEquations::covariances(
         C_form.middleRows(place.offset, place.dim) += J_t;
         continue;
       }
-      group = &groups_[static_cast<std::size_t>(place.group)];
-      if (E.size() == 0) E.setZero(group->dim, rows);
-      E.middleRows(place.offset, place.dim) += J_t;
+      if (!group) {
+        group = &groups_[static_cast<std::size_t>(place.group)];
+        E_states.setZero(group->states(), rows);
+        E_noises.setZero(group->noises(), rows);
+      }
+      const bool is_noise = place.part == Place::Part::kNoises;
+      (is_noise ? E_noises : E_states).middleRows(place.offset, place.dim) += J_t;
     }
     result.emplace_back(Eigen::MatrixXd::Zero(rows, rows));
     if (group) {
-      const Eigen::MatrixXd X = group->llt.solve(E);
-      const Eigen::MatrixXd tied = group->W.transpose() * X;
-      for (std::size_t i = 0; i < group->core_columns.size(); ++i) {
-        C_form.row(group->core_columns[i]) -= tied.row(static_cast<Eigen::Index>(i));
-      }
-      result.back() = E.transpose() * X;
+      Eigen::MatrixXd tied = C_form(group->columns(), Eigen::all);
+      result.back() = group->covariance(E_states, E_noises, tied);
+      C_form(group->columns(), Eigen::all) = tied;
     }
     column += rows;
   }

@@ -1,16 +1,14 @@
 // The normal equations of a graph's stored linearisation, factorised once: the Gauss-Newton step
 // and every marginal covariance are read from the same factorisation.
 //
-// The states of one landmark that no prior touches are tied to cameras, anchors and each other
-// only: each such group is eliminated first by its own small Cholesky factor (Schur complement),
-// and the core that is left (cameras, anchors, everything in the prior) by one dense one:
-//   H = [V W; W' U],  S = U - sum W' V^-1 W,   Sigma_core = S^-1,
-//   Sigma_group = V^-1 + V^-1 W S^-1 W' V^-1.
+// The private states of each landmark are eliminated first (landmark_group.h), and the core that is
+// left (cameras, anchors, everything in the prior) by one dense Cholesky factor:
+//   S = U + sum information,   Sigma_core = S^-1.
 #pragma once
 
 #include <Eigen/Cholesky>
 
-#include "slammot/smoothers/graph.h"
+#include "slammot/smoothers/landmark_group.h"
 
 namespace slammot {
 
@@ -44,35 +42,23 @@ class NormalEquations {
   std::vector<Eigen::MatrixXd> covariances(const std::vector<std::vector<VariableId>>& sets) const;
 
  private:
-  struct Group {
-    std::vector<VariableId> variables;
-    int dim = 0;
-    std::vector<int> core_columns;  // the columns of the core that W has, ascending
-    Eigen::MatrixXd V, W;           // W: dim x core_columns
-    Eigen::VectorXd g;
-    Eigen::LLT<Eigen::MatrixXd> llt;
-    Eigen::MatrixXd LW;  // L^-1 W
-  };
-  struct Place {
-    int group = -1;  // -1: the core
-    int offset = 0;
-    int dim = 0;
-  };
-
   void place_variables(const Graph& graph);
   void add_prior(const Graph& graph);
   void add_factors(const Graph& graph);
-  // `ties`: of each group, the column of W for an offset in the core.
-  void add_factor(const Factor& factor, const std::vector<const Place*>& places,
-                  const std::vector<std::map<int, int>>& ties);
+  void add_to_core(const Factor& factor, const Places& places);
   void eliminate_groups(double damping);
+  LandmarkGroup& group_of(const Place& place) {
+    return groups_[static_cast<std::size_t>(place.group)];
+  }
+  // A vector over all variables, from its parts.
+  Eigen::VectorXd part(const Place& place, const Eigen::VectorXd& core,
+                       const std::vector<LandmarkGroup::Part>& groups) const;
 
   std::map<VariableId, Place> places_;
-  std::vector<Group> groups_;
+  std::vector<LandmarkGroup> groups_;
   int core_dim_ = 0;
-  Eigen::MatrixXd U_;        // lower triangle; S after the groups are gone
-  Eigen::MatrixXd J_group_;  // of the factor that is being added
-  Eigen::VectorXd g_;
+  Eigen::MatrixXd U_;  // lower triangle; S after the groups are gone
+  Eigen::VectorXd g_;  // J'r
   Eigen::VectorXd reduced_g_;
   Eigen::LLT<Eigen::MatrixXd> core_;
 };
