@@ -133,7 +133,7 @@ void Batch::leave_out_poles() {
   std::vector<FactorId> out;
   for (const auto& [id, factor] : graph_.factors()) {
     const bool is_pixel = factor.r.size() == 2 && factor.variables.size() >= 4;
-    if (is_pixel && (!factor.valid || factor.J[0].norm() > steepest)) out.push_back(id);
+    if (is_pixel && (!factor.valid || factor.jacobian(0).norm() > steepest)) out.push_back(id);
   }
   for (const FactorId id : out) graph_.remove_factor(id);
 }

@@ -13,12 +13,8 @@ namespace {
 constexpr double kImpossible = 1e6;
 
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-std::vector<const double*> pointers(const std::vector<const SmallVector*>& values) {
-  std::vector<const double*> result;
-  for (const SmallVector* v : values) result.push_back(v->data());
-  return result;
-}
+using RowMajorSmall =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kMaxBlock, kMaxBlock>;
 
 }  // namespace
 
@@ -38,7 +34,10 @@ SmallVector minus(const ceres::Manifold* manifold, const SmallVector& y, const S
 
 VariableId Graph::add_variable(const Eigen::VectorXd& value, const ceres::Manifold* manifold,
                                int owner) {
-  variables_[next_variable_] = {value, manifold, owner, std::nullopt};
+  Variable& variable = variables_[next_variable_];
+  variable.value = value;
+  variable.manifold = manifold;
+  variable.owner = owner;
   return next_variable_++;
 }
 
@@ -47,6 +46,11 @@ FactorId Graph::add_factor(std::vector<VariableId> variables,
                            const ceres::LossFunction* loss) {
   Factor& factor = factors_[next_factor_];
   factor.variables = std::move(variables);
+  factor.offset = {0};
+  for (const VariableId id : factor.variables) {
+    factor.at.push_back(&variables_.at(id));
+    factor.offset.push_back(factor.offset.back() + factor.at.back()->dim());
+  }
   factor.cost = std::move(cost);
   factor.loss = loss;
   linearise(factor);
@@ -71,48 +75,53 @@ double Graph::linearise() {
   return 0.5 * sum;
 }
 
-double Graph::linearise(Factor& factor) const {
-  const std::size_t n = factor.variables.size();
+double Graph::linearise(Factor& factor) {
+  const std::size_t n = factor.at.size();
   const int rows = factor.cost->num_residuals();
-  std::vector<const Variable*> variables(n);
-  std::vector<const double*> here(n), there(n);
-  std::vector<double*> jacobians(n);
-  std::vector<RowMajorMatrix> ambient(n);
+  std::size_t size = 0;
+  for (const Variable* v : factor.at) size += static_cast<std::size_t>(rows * v->value.size());
+  ambient_.resize(size);
+  here_.clear();
+  there_.clear();
+  jacobians_.clear();
   bool at_first = false;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Variable& v = *(variables[i] = &variables_.at(factor.variables[i]));
-    here[i] = v.value.data();
-    there[i] = v.first ? v.first->data() : here[i];
-    at_first = at_first || v.first;
-    ambient[i].resize(rows, v.value.size());
-    jacobians[i] = ambient[i].data();
+  double* next = ambient_.data();
+  for (const Variable* v : factor.at) {
+    here_.push_back(v->value.data());
+    there_.push_back(v->first ? v->first->data() : here_.back());
+    at_first = at_first || v->first;
+    jacobians_.push_back(next);
+    next += rows * v->value.size();
   }
   factor.r.resize(rows);
-  factor.valid = factor.cost->Evaluate(there.data(), factor.r.data(), jacobians.data());
+  factor.valid = factor.cost->Evaluate(there_.data(), factor.r.data(), jacobians_.data());
   if (at_first) {
-    factor.valid = factor.cost->Evaluate(here.data(), factor.r.data(), nullptr) && factor.valid;
+    factor.valid = factor.cost->Evaluate(here_.data(), factor.r.data(), nullptr) && factor.valid;
   }
-  factor.J.resize(n);
+  factor.J.resize(rows, factor.offset.back());
+  if (!factor.valid) {
+    factor.J.setZero();
+    factor.r.setZero();
+    return 0.0;
+  }
   for (std::size_t i = 0; i < n; ++i) {
-    const Variable& v = *variables[i];
-    if (!factor.valid) {
-      factor.J[i].setZero(rows, v.dim());
-    } else if (v.manifold) {
-      RowMajorMatrix P(v.value.size(), v.dim());
-      v.manifold->PlusJacobian(there[i], P.data());
-      factor.J[i].noalias() = ambient[i].lazyProduct(P);
+    const Variable& v = *factor.at[i];
+    const Eigen::Map<RowMajorMatrix> ambient(jacobians_[i], rows, v.value.size());
+    if (v.manifold) {
+      RowMajorSmall P(v.value.size(), v.dim());
+      v.manifold->PlusJacobian(there_[i], P.data());
+      factor.jacobian(i) = ambient.lazyProduct(P);
     } else {
-      factor.J[i] = ambient[i];
+      factor.jacobian(i) = ambient;
     }
   }
-  if (!factor.valid) factor.r.setZero();
   const double square = factor.r.squaredNorm();
-  if (!factor.valid || !factor.loss) return square;
+  if (!factor.loss) return square;
   double rho[3];  // iteratively reweighted: the loss's slope scales the residual
   factor.loss->Evaluate(square, rho);
   const double weight = std::sqrt(rho[1]);
   factor.r *= weight;
-  for (SmallMatrix& J : factor.J) J *= weight;
+  factor.J *= weight;
   return rho[0];
 }
 
@@ -120,23 +129,20 @@ double Graph::prior_square(const Eigen::VectorXd& difference) const {
   return prior_.cols() == 0 ? 0.0 : (prior_.R * difference + prior_.r).squaredNorm();
 }
 
-double Graph::cost(const Step& step) const {
-  std::map<VariableId, SmallVector> moved;
+double Graph::cost(const Step& step) {
+  for (auto& [id, v] : variables_) v.candidate = v.value;
   for (const auto& [id, d] : step) {
-    const Variable& v = variables_.at(id);
-    moved[id] = plus(v.manifold, v.value, d);
+    Variable& v = variables_.at(id);
+    v.candidate = plus(v.manifold, v.value, d);
   }
-  const auto at = [&](VariableId id) {
-    const auto it = moved.find(id);
-    return it == moved.end() ? &variables_.at(id).value : &it->second;
-  };
   double sum = 0.0;
+  SmallVector r;
   for (const auto& [id, factor] : factors_) {
     if (!factor.valid) continue;
-    std::vector<const SmallVector*> values;
-    for (const VariableId v : factor.variables) values.push_back(at(v));
-    SmallVector r(factor.cost->num_residuals());
-    if (!factor.cost->Evaluate(pointers(values).data(), r.data(), nullptr)) {
+    here_.clear();
+    for (const Variable* v : factor.at) here_.push_back(v->candidate.data());
+    r.resize(factor.cost->num_residuals());
+    if (!factor.cost->Evaluate(here_.data(), r.data(), nullptr)) {
       sum += kImpossible;
       continue;
     }
@@ -147,8 +153,7 @@ double Graph::cost(const Step& step) const {
   Eigen::VectorXd d(prior_.cols());
   for (std::size_t i = 0; i < prior_.variables.size(); ++i) {
     const Variable& v = variables_.at(prior_.variables[i]);
-    d.segment(prior_.offsets[i], v.dim()) =
-        minus(v.manifold, *at(prior_.variables[i]), prior_.x0[i]);
+    d.segment(prior_.offsets[i], v.dim()) = minus(v.manifold, v.candidate, prior_.x0[i]);
   }
   return 0.5 * (sum + prior_square(d));
 }
@@ -162,20 +167,24 @@ SmallMatrix Graph::transport(const Variable& v, const SmallVector& x0) const {
 }
 
 void Graph::move(const Step& step) {
-  std::map<VariableId, SmallMatrix> transports;
+  for (auto& [id, v] : variables_) {
+    v.correction.setZero(v.dim());
+    v.turn.reset();
+  }
   for (const auto& [id, d] : step) {
     Variable& v = variables_.at(id);
     const SmallVector before = v.value;
     v.value = plus(v.manifold, v.value, d);
-    if (v.manifold) transports[id] = transport(v, before);
+    v.correction = d;
+    if (v.manifold) v.turn = transport(v, before).topLeftCorner<3, 3>();
   }
   for (auto& [id, factor] : factors_) {
-    for (std::size_t i = 0; i < factor.variables.size(); ++i) {
-      const auto d = step.find(factor.variables[i]);
-      if (d == step.end()) continue;
-      factor.r.noalias() += factor.J[i] * d->second;
-      const auto T = transports.find(factor.variables[i]);
-      if (T != transports.end()) factor.J[i] = (factor.J[i] * T->second).eval();
+    for (std::size_t i = 0; i < factor.at.size(); ++i) {
+      const Variable& v = *factor.at[i];
+      factor.r += factor.jacobian(i).lazyProduct(v.correction);
+      if (!v.turn) continue;
+      auto rotation = factor.J.middleCols<3>(factor.offset[i]);
+      rotation = (rotation.lazyProduct(*v.turn)).eval();
     }
   }
 }

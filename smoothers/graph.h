@@ -32,17 +32,27 @@ struct Variable {
   int owner = -1;                    // the track whose private state it is, or -1 when shared
   std::optional<SmallVector> first;  // first-estimate linearisation point, once a prior touches it
 
+  // Of the step in hand: its correction, and the value or the transport that it leads to.
+  SmallVector correction, candidate;
+  std::optional<Eigen::Matrix3d> turn;
+
   int dim() const { return manifold ? manifold->TangentSize() : static_cast<int>(value.size()); }
 };
 
 struct Factor {
   std::vector<VariableId> variables;
+  std::vector<Variable*> at;  // the same, in the graph
   std::unique_ptr<ceres::CostFunction> cost;
   const ceres::LossFunction* loss = nullptr;
-  std::vector<SmallMatrix> J;  // by variable, residuals x dim, at the current estimate
+  Eigen::MatrixXd J;        // residuals x dims of all variables, at the current estimate
+  std::vector<int> offset;  // first column of each variable in J, and the number of columns
   SmallVector r;
   bool valid =
       true;  // false: it could not be evaluated there (behind the camera), J and r are zero
+
+  int dim(std::size_t i) const { return offset[i + 1] - offset[i]; }
+  auto jacobian(std::size_t i) { return J.middleCols(offset[i], dim(i)); }
+  auto jacobian(std::size_t i) const { return J.middleCols(offset[i], dim(i)); }
 };
 
 // |R (x [-] x0) + r|^2 over its variables. Empty at first.
@@ -77,7 +87,7 @@ class Graph {
   // Half the sum of squares (with losses) at x [+] step, prior included. A factor that is not valid
   // at x does not count: were its being so a cost, any step that ends it would be taken, however
   // bad.
-  double cost(const Step& step) const;
+  double cost(const Step& step);
 
   // x := x [+] step. Stored linearisations are carried along: r += J dx, and J is expressed at the
   // new estimate.
@@ -130,7 +140,7 @@ class Graph {
 
  private:
   // Returns the factor's square, with its loss; 0 when it is not valid.
-  double linearise(Factor& factor) const;
+  double linearise(Factor& factor);
   double prior_square(const Eigen::VectorXd& difference) const;
 
   bool first_estimates_;
@@ -139,6 +149,9 @@ class Graph {
   LinearPrior prior_;
   FarMap far_;
   std::map<VariableId, Variable> resting_;  // the variables of the far map
+  std::vector<double> ambient_;             // Jacobians as Ceres wants them, of the factor in hand
+  std::vector<const double*> here_, there_;
+  std::vector<double*> jacobians_;
   VariableId next_variable_ = 0;
   FactorId next_factor_ = 0;
 };

@@ -58,13 +58,13 @@ void LandmarkGroup::add_row_with_noise(const Factor& factor, const Places& place
   r_.segment(row_, rows) = factor.r;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Place& p = *places[i];
-    const SmallMatrix& J = factor.J[i];
+    const auto J = factor.jacobian(i);
     if (p.part == Place::Part::kNoises) {
       N_.block(row_, p.offset, rows, p.dim) = J;
-      g_.noises.segment(p.offset, p.dim) += J.transpose() * factor.r;
+      g_.noises.segment(p.offset, p.dim) += J.transpose().lazyProduct(factor.r);
     } else if (p.part == Place::Part::kStates) {
       X_.block(row_, p.offset, rows, p.dim) = J;
-      g_.states.segment(p.offset, p.dim) += J.transpose() * factor.r;
+      g_.states.segment(p.offset, p.dim) += J.transpose().lazyProduct(factor.r);
     } else {
       X_.block(row_, dim_ + ties_.at(p.offset), rows, p.dim) += J;
     }
@@ -76,16 +76,16 @@ void LandmarkGroup::add_row_of_states(const Factor& factor, const Places& places
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Place& a = *places[i];
     if (a.part != Place::Part::kStates) continue;
-    const auto J_t = factor.J[i].transpose();
-    g_.states.segment(a.offset, a.dim) += J_t * factor.r;
-    reduced_g_.segment(a.offset, a.dim) += J_t * factor.r;
+    const auto J_t = factor.jacobian(i).transpose();
+    g_.states.segment(a.offset, a.dim) += J_t.lazyProduct(factor.r);
+    reduced_g_.segment(a.offset, a.dim) += J_t.lazyProduct(factor.r);
     for (std::size_t j = 0; j < places.size(); ++j) {
       const Place& b = *places[j];
       if (b.part == Place::Part::kStates) {
-        V_.block(a.offset, b.offset, a.dim, b.dim) += J_t.lazyProduct(factor.J[j]);
+        V_.block(a.offset, b.offset, a.dim, b.dim) += J_t.lazyProduct(factor.jacobian(j));
       } else {
         W_.middleCols(ties_.at(b.offset), b.dim).middleRows(a.offset, a.dim) +=
-            J_t.lazyProduct(factor.J[j]);
+            J_t.lazyProduct(factor.jacobian(j));
       }
     }
   }

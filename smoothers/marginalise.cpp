@@ -68,7 +68,7 @@ Eigen::MatrixXd stack(const Graph& graph, const Columns& columns,
     const Factor& factor = graph.factors().at(id);
     for (std::size_t i = 0; i < factor.variables.size(); ++i) {
       const int column = columns.offset.at(factor.variables[i]);
-      Ab.block(row, column, factor.r.size(), factor.J[i].cols()) = factor.J[i];
+      Ab.block(row, column, factor.r.size(), factor.dim(i)) = factor.jacobian(i);
     }
     Ab.col(columns.total).segment(row, factor.r.size()) = factor.r;
     row += factor.r.size();

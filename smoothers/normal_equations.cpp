@@ -20,8 +20,8 @@ NormalEquations::NormalEquations(const Graph& graph, double damping) {
 namespace {
 
 bool is_unit_prior(const Factor& factor) {
-  return factor.variables.size() == 1 && factor.J.front().rows() == factor.J.front().cols() &&
-         factor.J.front().isIdentity(0.0);
+  return factor.variables.size() == 1 && factor.J.rows() == factor.J.cols() &&
+         factor.J.isIdentity(0.0);
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ void NormalEquations::add_to_core(const Factor& factor, const Places& places) {
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Place& a = *places[i];
     if (a.group >= 0) continue;
-    const SmallVector g = factor.J[i].transpose().lazyProduct(factor.r);
+    const SmallVector g = factor.jacobian(i).transpose().lazyProduct(factor.r);
     g_.segment(a.offset, a.dim) += g;
     if (has_noise) continue;
     reduced_g_.segment(a.offset, a.dim) += g;
@@ -113,7 +113,7 @@ void NormalEquations::add_to_core(const Factor& factor, const Places& places) {
       const Place& b = *places[j];
       if (b.group >= 0 || b.offset > a.offset) continue;  // U's lower triangle
       U_.block(a.offset, b.offset, a.dim, b.dim) +=
-          factor.J[i].transpose().lazyProduct(factor.J[j]);
+          factor.jacobian(i).transpose().lazyProduct(factor.jacobian(j));
     }
   }
 }

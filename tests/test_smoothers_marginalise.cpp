@@ -107,9 +107,9 @@ TEST(FirstEstimates, JacobiansBesideThePriorStay) {
     step[x] = step[y] = SmallVector::Constant(1, 2.0);
     graph.move(step);
     graph.linearise();
-    EXPECT_DOUBLE_EQ(graph.factors().at(beside).J[0](0, 0), first_estimates ? 6.0 : 10.0);
+    EXPECT_DOUBLE_EQ(graph.factors().at(beside).J(0, 0), first_estimates ? 6.0 : 10.0);
     EXPECT_DOUBLE_EQ(graph.factors().at(beside).r(0), 20.0);
-    EXPECT_DOUBLE_EQ(graph.factors().at(apart).J[0](0, 0), 10.0);
+    EXPECT_DOUBLE_EQ(graph.factors().at(apart).J(0, 0), 10.0);
   }
 }
 
