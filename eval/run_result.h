@@ -39,7 +39,7 @@ struct LandmarkRecord {
 // A landmark that had to be classified: neither known beforehand nor labelled by rule.
 struct ClassificationRecord {
   int track = 0;
-  std::optional<Label> truth;
+  std::optional<Label> truth;  // when it was last measured, see label_truth.h
   Label label = Label::kUnknown;
   std::optional<int> decision_frame;
   int observations = 0;  // used up to the decision, or in all where there is none
