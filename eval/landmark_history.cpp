@@ -56,8 +56,9 @@ void LandmarkHistory::sample(int frame, const LandmarkEstimate& landmark) {
   if (point == nullptr) return;
   const Eigen::Vector3d position_error = landmark.position - point->position;
   const Eigen::Vector3d velocity_error = landmark.velocity - point->velocity;
-  samples_.push_back({landmark.track, frame, landmark.observations, truth->second.label,
-                      position_error.norm(), velocity_error.norm(),
+  samples_.push_back({landmark.track, frame, landmark.observations, landmark.label,
+                      truth->second.label, truth->second.label_at(frame), position_error.norm(),
+                      velocity_error.norm(),
                       nees_if_defined(position_error, landmark.position_covariance),
                       nees_if_defined(velocity_error, landmark.velocity_covariance)});
 }

@@ -87,6 +87,12 @@ TEST(LabelTruth, JudgesARunAndAStoredOne) {
     EXPECT_EQ(statics.wrong, said == Label::kMoving ? 1 : 0);
     EXPECT_EQ(statics.undecided, said == Label::kUnknown ? 1 : 0);
     EXPECT_EQ(metrics.classification.movings.right, 1);
+    for (const LandmarkSample& s : run.samples) {
+      if (s.track != 2) continue;
+      EXPECT_EQ(s.label, said);
+      EXPECT_EQ(s.truth, Label::kMoving);
+      EXPECT_EQ(s.motion, s.frame >= 3 && s.frame <= 6 ? Label::kStatic : Label::kMoving);
+    }
 
     const test::TemporaryFolder folder;
     write_native(sequence, folder.path() / "sequence");
