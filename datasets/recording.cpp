@@ -63,7 +63,7 @@ FrameRange within_reach(const ScenePoint& point, const Eigen::Vector3d& centre, 
                         const RecordingOptions& options) {
   const FrameRange all{point.from_frame, options.frames};
   const double speed = point.velocity.norm();
-  if (speed == 0.0) return all;
+  if (speed == 0.0 || point.schedule) return all;
   const Eigen::Vector3d along = point.velocity / speed;
   const Eigen::Vector3d from_centre = point.position - centre;
   const double nearest = -along.dot(from_centre);
@@ -90,7 +90,7 @@ void record_point(const RecordingOptions& options, const ScenePoint& point, Fram
     TrueLandmark& landmark = sequence.landmarks[point.track];
     landmark.label = label;
     if (label == Label::kMoving || landmark.by_frame.empty()) {
-      landmark.by_frame[i] = {position, point.velocity};
+      landmark.by_frame[i] = {position, point.velocity_at(options.time(i))};
     }
   }
 }

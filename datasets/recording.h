@@ -5,6 +5,7 @@
 #pragma once
 
 #include "slammot/datasets/parameters.h"
+#include "slammot/datasets/schedule.h"
 #include "slammot/datasets/sequence.h"
 
 namespace slammot {
@@ -23,14 +24,19 @@ struct RecordingOptions {
 };
 Parameters parameters(RecordingOptions& options);
 
-// A point on a straight line: at rest, or moving for ever.
+// A point on a straight line: at rest, moving for ever, or as its schedule says.
 struct ScenePoint {
   int track = 0;
-  Eigen::Vector3d position;  // W, at time 0 [m]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
-  int from_frame = 0;  // not seen before
+  Eigen::Vector3d position;  // W, at time 0; of a scheduled one, before it ever moved [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // W, at full speed
+  int from_frame = 0;                                  // not seen before
+  std::optional<Schedule> schedule = std::nullopt;
 
-  Eigen::Vector3d at(double time) const { return position + velocity * time; }
+  double travelled(double time) const { return schedule ? schedule->travelled(time) : time; }
+  Eigen::Vector3d at(double time) const { return position + velocity * travelled(time); }
+  Eigen::Vector3d velocity_at(double time) const {
+    return schedule ? Eigen::Vector3d(velocity * schedule->pace(time)) : velocity;
+  }
   Label label() const { return velocity.isZero(0.0) ? Label::kStatic : Label::kMoving; }
 };
 

@@ -7,6 +7,7 @@
 #include "slammot/datasets/circle.h"
 #include "slammot/datasets/helix.h"
 #include "slammot/datasets/matched.h"
+#include "slammot/datasets/move_stop_move.h"
 #include "slammot/datasets/parameters.h"
 #include "slammot/datasets/square.h"
 
@@ -37,6 +38,8 @@ constexpr ScenarioRow kScenarios[] = {
         "helix", "39 known points, one static target, two movers (thesis 3.1)"),
     scenario_row<HelixOptions, simulate_helix_unobservable>(
         "helix_unobservable", "the same from a camera at constant velocity (thesis 3.1.4)"),
+    scenario_row<MoveStopMoveOptions, simulate_move_stop_move>(
+        "move_stop_move", "the circle with objects that stop and go, and some parked at first"),
     scenario_row<MatchedOptions, simulate_matched>(
         "matched", "everything drawn from the models themselves, to calibrate consistency"),
 };

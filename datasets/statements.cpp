@@ -15,7 +15,8 @@ Parameters parameters(StatementOptions& o) {
       {"initial_angular_velocity_sigma", "of the angular velocity stated [rad/s]",
        &o.initial_angular_velocity_sigma, kAbove0},
       {"stated_max_speed", "of moving points [m/s]", &o.max_speed, kAbove0},
-      {"stated_object_acceleration", "sigma of moving points [m/s^2]", &o.object_acceleration, 0},
+      {"stated_object_acceleration", "sigma of moving points [m/s^2]; covers the truth",
+       &o.object_acceleration, 0},
       {"stated_acceleration", "sigma [m/s^2]; covers the truth", &o.acceleration, kAbove0},
       {"stated_angular_acceleration", "sigma [rad/s^2]; covers the truth", &o.angular_acceleration,
        kAbove0},
@@ -57,6 +58,42 @@ StatedMotion motion_of(const Sequence& sequence) {
           std::max(white_noise_sigma(sequence, turn), kLeastStated)};
 }
 
+namespace {
+
+// Sums of squares of how far the velocities of moving points stray within n frames.
+struct Strays {
+  Eigen::Array3d squares = Eigen::Array3d::Zero();
+  double count = 0.0;
+};
+
+// The sum over all moving points stands for one: what is stated is of the population.
+double object_acceleration(const Sequence& sequence) {
+  constexpr double kLeastStated = 0.1;  // [m/s^2]
+  const auto horizons = std::max<size_t>(sequence.frames.size() / 4, 1);
+  std::vector<Strays> strays(horizons + 1);
+  for (const auto& [track, landmark] : sequence.landmarks) {
+    if (landmark.label != Label::kMoving) continue;
+    for (auto from = landmark.by_frame.begin(); from != landmark.by_frame.end(); ++from) {
+      for (auto to = std::next(from); to != landmark.by_frame.end(); ++to) {
+        const auto n = static_cast<size_t>(to->first - from->first);
+        if (n > horizons) break;
+        strays[n].squares += (to->second.velocity - from->second.velocity).array().square();
+        strays[n].count += 1.0;
+      }
+    }
+  }
+  double largest = kLeastStated;
+  const double dt = sequence.frames.back().timestamp /
+                    static_cast<double>(std::max<size_t>(sequence.frames.size() - 1, 1));
+  for (size_t n = 1; n <= horizons; ++n) {
+    const double terms = strays[n].count * static_cast<double>(n) * dt * dt;
+    if (terms > 0.0) largest = std::max(largest, std::sqrt(strays[n].squares.maxCoeff() / terms));
+  }
+  return largest;
+}
+
+}  // namespace
+
 // Two-sided 99% of a normal distribution.
 constexpr double kNormal99 = 2.5758293035489004;
 
@@ -73,6 +110,7 @@ LandmarkPrior prior_of(const Sequence& sequence) {
     }
   }
   LandmarkPrior prior;
+  prior.acceleration = object_acceleration(sequence);
   if (inverse_depths.size() < 2) return prior;
   const Eigen::Map<const Eigen::ArrayXd> rho(inverse_depths.data(),
                                              static_cast<Eigen::Index>(inverse_depths.size()));
@@ -107,7 +145,7 @@ void state(const StatementOptions& options, const LandmarkPrior& scene, std::uin
   prior.inverse_depth = options.inverse_depth.value_or(prior.inverse_depth);
   prior.inverse_depth_sigma = options.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
   prior.max_speed = options.max_speed;
-  prior.acceleration = options.object_acceleration;
+  prior.acceleration = options.object_acceleration.value_or(prior.acceleration);
   sequence.prior = prior;
 }
 

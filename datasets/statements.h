@@ -10,7 +10,7 @@ struct StatementOptions {
   double initial_velocity_sigma = 0.1;          // [m/s]
   double initial_angular_velocity_sigma = 0.1;  // [rad/s]
   double max_speed = 2.0;                       // [m/s]
-  double object_acceleration = 0.1;             // [m/s^2]; the moving points keep their velocity
+  std::optional<double> object_acceleration;    // [m/s^2]
   std::optional<double> acceleration;           // [m/s^2]
   std::optional<double> angular_acceleration;   // [rad/s^2]
   std::optional<double> inverse_depth;          // [1/m]
@@ -27,7 +27,8 @@ StatedMotion motion_of(const Sequence& sequence);
 
 // Mean and sigma of 1/distance at first sight, over the landmarks first seen after frame 0 and not
 // known beforehand. The sigma is the standard deviation, or more if that is what it takes for the
-// Gaussian's 99% interval to hold 99% of them: depths have a tail towards the camera.
+// Gaussian's 99% interval to hold 99% of them: depths have a tail towards the camera. And the
+// acceleration of its moving points: 0.1 m/s^2 where they keep their velocity, else as motion_of().
 LandmarkPrior prior_of(const Sequence& sequence);
 
 // Fills `initial` (the true pose; velocities with errors drawn from their sigmas), `motion` and

@@ -69,23 +69,28 @@ Eigen::Vector3d draw_velocity(const VolumeOptions& options, RandomStream& random
                                  std::cos(climb) * std::cos(azimuth));
 }
 
-ScenePoint draw_moving(const Volume& volume, int track, RandomStream& random) {
+// The schedule has a stream of its own: with and without stops, objects are the same otherwise.
+ScenePoint draw_moving(const Volume& volume, int track, RandomStream& random,
+                       RandomStream& schedules) {
   const RecordingOptions& recording = volume.options.recording;
+  const double duration = recording.time(recording.frames);
   ScenePoint point{track, volume.draw(random), draw_velocity(volume.options.volume, random)};
-  point.position -= point.velocity * random.uniform(0.0, recording.time(recording.frames));
+  point.schedule = draw_schedule(volume.options.volume.stops, duration, schedules);
+  point.position -= point.velocity * point.travelled(random.uniform(0.0, duration));
   return point;
 }
 
-void add_moving(const Volume& volume, RandomStream& random, std::vector<ScenePoint>& points) {
+void add_moving(const Volume& volume, RandomStream& random, RandomStream& schedules,
+                std::vector<ScenePoint>& points) {
   const VolumeOptions& options = volume.options.volume;
   int in_first_frame = 0;
   for (int i = 0; i < options.moving_points; ++i) {
     const int track = options.static_points + i;
-    ScenePoint point = draw_moving(volume, track, random);
+    ScenePoint point = draw_moving(volume, track, random, schedules);
     for (int k = 0;
          k < kTries && in_first_frame >= options.first_moving && volume.in_first_frame(point);
          ++k) {
-      point = draw_moving(volume, track, random);
+      point = draw_moving(volume, track, random, schedules);
     }
     if (volume.in_first_frame(point)) ++in_first_frame;
     points.push_back(point);
@@ -97,9 +102,9 @@ std::vector<ScenePoint> draw_points(const SceneOptions& options, const Eigen::Ve
   const Volume volume{options, centre, simulated_camera(options.recording), first};
   std::vector<ScenePoint> points;
   RandomStream static_points(seed, "static points");
-  RandomStream moving_points(seed, "moving points");
+  RandomStream moving_points(seed, "moving points"), schedules(seed, "schedules");
   add_static(volume, static_points, points);
-  add_moving(volume, moving_points, points);
+  add_moving(volume, moving_points, schedules, points);
   return points;
 }
 

@@ -1,8 +1,8 @@
 // The scene of circle and square: static and moving points anywhere in a volume around the path.
 //
-// A moving point goes straight for ever and passes through the volume at a random time of the run,
-// so that there are as many at its end as at its start. Static points have tracks 0, 1, ...; moving
-// ones follow.
+// A moving point goes straight and passes through the volume at a random time of the run, so that
+// there are as many at its end as at its start; it goes for ever unless `stops` says otherwise.
+// Static points have tracks 0, 1, ...; moving ones follow.
 #pragma once
 
 #include "slammot/datasets/known_landmarks.h"
@@ -21,6 +21,7 @@ struct VolumeOptions {
   double max_climb_deg = 10.0;              // of their direction against the horizontal
   int first_moving = 0;  // moving points allowed in view of the first frame, whose landmarks enter
                          // as static by rule; further ones are drawn again
+  StopOptions stops;     // of moving points; of scenarios without stops the default, none
 };
 Parameters parameters(VolumeOptions& options);
 

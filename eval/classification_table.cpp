@@ -11,6 +11,10 @@ double ratio(int part, int whole) {
 
 }  // namespace
 
+void ClassCounts::add(Label label, Label truth) {
+  ++(label == truth ? right : label == Label::kUnknown ? undecided : wrong);
+}
+
 double ClassCounts::wrongly_classified() const { return ratio(wrong, all()); }
 double ClassCounts::misclassified() const { return ratio(wrong + undecided, all()); }
 
@@ -24,13 +28,7 @@ ClassificationMetrics classification_metrics(const std::vector<ClassificationRec
       continue;
     }
     ClassCounts& counts = *record.truth == Label::kStatic ? metrics.statics : metrics.movings;
-    if (record.label == Label::kUnknown) {
-      ++counts.undecided;
-    } else if (record.label == *record.truth) {
-      ++counts.right;
-    } else {
-      ++counts.wrong;
-    }
+    counts.add(record.label, *record.truth);
   }
   metrics.median_frames_to_decision = median(frames_to_decision);
   return metrics;

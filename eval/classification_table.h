@@ -15,6 +15,7 @@ struct ClassCounts {
   int wrong = 0;
   int undecided = 0;
 
+  void add(Label label, Label truth);
   int all() const { return right + wrong + undecided; }
   double wrongly_classified() const;  // ratio; NaN of no landmarks
   double misclassified() const;

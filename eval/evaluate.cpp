@@ -1,6 +1,9 @@
 #include "slammot/eval/evaluate.h"
 
+#include <limits>
+
 #include "slammot/datasets/reader.h"
+#include "slammot/eval/label_truth.h"
 #include "slammot/eval/run_files.h"
 #include "slammot/eval/run_reader.h"
 
@@ -8,11 +11,14 @@ namespace slammot {
 namespace {
 
 // The sequence judged against decides what is true, not the file of the run.
-void take_truth_from(const Sequence& sequence, std::vector<ClassificationRecord>& records) {
-  for (ClassificationRecord& record : records) {
-    const auto truth = sequence.landmarks.find(record.track);
+void take_truth_from(const Sequence& sequence, RunResult& run) {
+  const std::vector<PosePair> pairs = pair_with_truth(sequence, run.filtered);
+  const int last = pairs.empty() ? std::numeric_limits<int>::max() : pairs.back().frame;
+  const std::map<int, Label> truths = labels_when_last_measured(sequence, last);
+  for (ClassificationRecord& record : run.classification) {
+    const auto truth = truths.find(record.track);
     record.truth.reset();
-    if (truth != sequence.landmarks.end()) record.truth = truth->second.label;
+    if (truth != truths.end()) record.truth = truth->second;
   }
 }
 
@@ -27,7 +33,7 @@ ComparedResult evaluate_run(const std::filesystem::path& folder,
                      "names no sequence: give one with --against");
   }
   const Sequence sequence = read_sequence(*path);
-  take_truth_from(sequence, stored.run.classification);
+  take_truth_from(sequence, stored.run);
   std::string label = folder.filename().string();
   if (label.empty()) label = folder.parent_path().filename().string();  // a trailing slash
   return {label, stored.estimator.empty() ? label : stored.estimator, stored.landmark,

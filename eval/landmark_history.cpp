@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "slammot/eval/label_truth.h"
 #include "slammot/eval/nees.h"
 
 namespace slammot {
@@ -55,8 +56,9 @@ void LandmarkHistory::sample(int frame, const LandmarkEstimate& landmark) {
   if (point == nullptr) return;
   const Eigen::Vector3d position_error = landmark.position - point->position;
   const Eigen::Vector3d velocity_error = landmark.velocity - point->velocity;
-  samples_.push_back({landmark.track, frame, landmark.observations, truth->second.label,
-                      position_error.norm(), velocity_error.norm(),
+  samples_.push_back({landmark.track, frame, landmark.observations, landmark.label,
+                      truth->second.label, truth->second.label_at(frame), position_error.norm(),
+                      velocity_error.norm(),
                       nees_if_defined(position_error, landmark.position_covariance),
                       nees_if_defined(velocity_error, landmark.velocity_covariance)});
 }
@@ -75,13 +77,13 @@ std::vector<LandmarkRecord> LandmarkHistory::latest() const {
 std::vector<ClassificationRecord> LandmarkHistory::classification() const {
   std::set<int> known;
   for (const KnownLandmark& landmark : sequence_.known) known.insert(landmark.track);
+  const std::map<int, Label> truths = labels_when_last_measured(sequence_, newest_frame_);
   std::vector<ClassificationRecord> records;
   for (const auto& [track, entry] : entries_) {
     const LandmarkEstimate& landmark = entry.record.estimate;
     if (landmark.from_first_frame || known.contains(track)) continue;
-    const auto truth = sequence_.landmarks.find(track);
-    const bool has_truth = truth != sequence_.landmarks.end();
-    records.push_back({track, has_truth ? std::optional(truth->second.label) : std::nullopt,
+    const auto truth = truths.find(track);
+    records.push_back({track, truth != truths.end() ? std::optional(truth->second) : std::nullopt,
                        landmark.label, landmark.decision_frame, entry.observations_at_decision});
   }
   return records;

@@ -39,19 +39,21 @@ struct LandmarkRecord {
 // A landmark that had to be classified: neither known beforehand nor labelled by rule.
 struct ClassificationRecord {
   int track = 0;
-  std::optional<Label> truth;
+  std::optional<Label> truth;  // when it was last measured, see label_truth.h
   Label label = Label::kUnknown;
   std::optional<int> decision_frame;
   int observations = 0;  // used up to the decision, or in all where there is none
 };
 
-// The error of one landmark in a frame in which it was measured, for error over observed frames
-// (thesis figure 4.2).
+// One landmark in a frame in which it was measured, for error over observed frames (thesis
+// figure 4.2).
 struct LandmarkSample {
   int track = 0;
   int frame = 0;
   int observations = 0;
-  Label truth = Label::kStatic;
+  Label label = Label::kUnknown;       // that it had
+  Label truth = Label::kStatic;        // its class
+  Label motion = Label::kStatic;       // what it was in this frame
   double position_error = kUndefined;  // [m]
   double velocity_error = kUndefined;  // [m/s]
   double position_nees = kUndefined;   // 3

@@ -11,7 +11,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kCounts[] = {"static", "moving", "static_often_seen", "moving_often_seen"};
+constexpr const char* kCounts[] = {
+    "static",         "moving", "static_often_seen", "moving_often_seen", "standing_by_frame",
+    "moving_by_frame"};
 
 // Root mean square over the frames of the position's standard deviation.
 double sigma_over_run(const Json& frames) {

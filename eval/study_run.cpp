@@ -30,8 +30,17 @@ Json counts_of_often_seen(const RunResult& run, Label truth) {
   }
   ClassCounts c;
   for (const ClassificationRecord& r : run.classification) {
-    if (r.truth != truth || observations[r.track] < kOften) continue;
-    ++(r.label == truth ? c.right : r.label == Label::kUnknown ? c.undecided : c.wrong);
+    if (r.truth == truth && observations[r.track] >= kOften) c.add(r.label, truth);
+  }
+  return counts(c);
+}
+
+// The labels of objects that ever move, over the frames in which a measurement of theirs was used:
+// of those in which they stood, or moved.
+Json counts_by_frame(const std::vector<LandmarkSample>& samples, Label motion) {
+  ClassCounts c;
+  for (const LandmarkSample& s : samples) {
+    if (s.truth == Label::kMoving && s.motion == motion) c.add(s.label, motion);
   }
   return counts(c);
 }
@@ -214,6 +223,8 @@ Json result_json(const Study& study, const Sequence& sequence, const RunResult& 
       {"lost", c.lost}};
   json["state_size_max"] = metrics.runtime.state_size_max;
   const std::vector<LandmarkSample> samples = estimated_samples(sequence, run);
+  json["standing_by_frame"] = counts_by_frame(samples, Label::kStatic);
+  json["moving_by_frame"] = counts_by_frame(samples, Label::kMoving);
   json["frames"] = frames_json(pairs);
   add_landmark_nees(samples, "position", &LandmarkSample::position_nees, json["frames"]);
   add_landmark_nees(samples, "velocity", &LandmarkSample::velocity_nees, json["frames"]);

@@ -9,4 +9,9 @@ const TruePoint* TrueLandmark::at(int frame) const {
   return found == by_frame.end() ? nullptr : &found->second;
 }
 
+Label TrueLandmark::label_at(int frame) const {
+  const TruePoint* point = at(frame);
+  return point != nullptr && point->velocity.isZero(0.0) ? Label::kStatic : label;
+}
+
 }  // namespace slammot

@@ -16,13 +16,17 @@ struct TruePoint {
 };
 
 struct TrueLandmark {
-  Label label = Label::kStatic;       // static or moving
+  Label label = Label::kStatic;       // its class: static or, if it ever moves, moving
   std::map<int, TruePoint> by_frame;  // by Frame::index; static: one entry, at any frame; moving:
                                       // an entry for each frame that has a row
 
   // Where it is at a frame: for a static one always the same; nothing for a moving one without a
   // row.
   const TruePoint* at(int frame) const;
+
+  // Static while it stands, at a velocity of exactly zero; its class where its velocity is not
+  // known.
+  Label label_at(int frame) const;
 };
 
 struct Truth {

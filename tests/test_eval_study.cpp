@@ -88,6 +88,8 @@ class Summary : public testing::Test {
     json["moving"] = {5, 0, 2};
     json["static_often_seen"] = {8, 0, 0};
     json["moving_often_seen"] = {5, 0, 0};
+    json["standing_by_frame"] = {0, 0, 0};
+    json["moving_by_frame"] = {50, 10, 20};
     json["coverage"] = {{"offered", 10}};
     json["frames"] = frames;
     json["landmarks"] = {{{"observations", 5},

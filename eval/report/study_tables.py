@@ -142,11 +142,15 @@ def classification_table(summary):
             rows.append(counts_row(group["name"], cell["label"], cell["static"], cell["moving"]))
             rows.append(counts_row(group["name"], f'{cell["label"]}, seen 10 times or more',
                                    cell["static_often_seen"], cell["moving_often_seen"]))
+            if sum(cell["standing_by_frame"]) > 0:
+                rows.append(counts_row(group["name"], f'{cell["label"]}, objects frame by frame',
+                                       cell["standing_by_frame"], cell["moving_by_frame"]))
     return Table(
         "Classification",
         "Landmarks over all runs, by their true class. Right, wrong, undecided; misclassified are the wrong and the undecided "
         "(thesis 4.1.1). Many movers cross the image in a few frames: the second row of each is of landmarks measured at least "
-        "ten times. Those of the first frame are static by rule and not counted, nor are known ones.",
+        "ten times. Those of the first frame are static by rule and not counted, nor are known ones. Where objects stop, the third row is of "
+        "the frames in which they were measured standing (under static) and moving.",
         ["scenario", "estimator"] + [f"{kind} {what}" for kind in ("static", "moving")
                                      for what in ("right", "wrong", "undecided", "right %", "misclassified %")], rows)
 
