@@ -12,12 +12,12 @@ Place LandmarkGroup::add_variable(int group, int dim, bool is_noise) {
   return place;
 }
 
-bool LandmarkGroup::has_noise(const Places& places) {
+bool LandmarkGroup::has_noise(Places places) {
   return std::any_of(places.begin(), places.end(),
                      [](const Place* p) { return p->part == Place::Part::kNoises; });
 }
 
-void LandmarkGroup::tie(const Places& places, Eigen::Index rows) {
+void LandmarkGroup::tie(Places places, Eigen::Index rows) {
   if (places.size() > 1 && has_noise(places)) rows_ += rows;
   for (const Place* p : places) {
     if (p->part == Place::Part::kCore) ties_[p->offset] = p->dim;
@@ -42,7 +42,7 @@ void LandmarkGroup::begin() {
   g_.noises.setZero(noise_dim_);
 }
 
-void LandmarkGroup::add(const Factor& factor, const Places& places) {
+void LandmarkGroup::add(const Factor& factor, Places places) {
   if (!has_noise(places)) return add_row_of_states(factor, places);
   if (places.size() == 1) return add_prior_of_noise(factor, *places.front());
   add_row_with_noise(factor, places);
@@ -53,7 +53,7 @@ void LandmarkGroup::add_prior_of_noise(const Factor& factor, const Place& place)
   g_.noises.segment(place.offset, place.dim) += factor.r;
 }
 
-void LandmarkGroup::add_row_with_noise(const Factor& factor, const Places& places) {
+void LandmarkGroup::add_row_with_noise(const Factor& factor, Places places) {
   const Eigen::Index rows = factor.r.size();
   r_.segment(row_, rows) = factor.r;
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -72,7 +72,7 @@ void LandmarkGroup::add_row_with_noise(const Factor& factor, const Places& place
   row_ += rows;
 }
 
-void LandmarkGroup::add_row_of_states(const Factor& factor, const Places& places) {
+void LandmarkGroup::add_row_of_states(const Factor& factor, Places places) {
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Place& a = *places[i];
     if (a.part != Place::Part::kStates) continue;

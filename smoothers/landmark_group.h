@@ -12,6 +12,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "slammot/smoothers/graph.h"
@@ -26,16 +27,16 @@ struct Place {
   int offset = 0;  // in its part
   int dim = 0;
 };
-using Places = std::vector<const Place*>;  // of a factor's variables
+using Places = std::span<const Place* const>;  // of a factor's variables
 
 class LandmarkGroup {
  public:
   // First the variables, then what every factor ties it to, then the factors.
-  static bool has_noise(const Places& places);
+  static bool has_noise(Places places);
   Place add_variable(int group, int dim, bool is_noise);
-  void tie(const Places& places, Eigen::Index rows);
+  void tie(Places places, Eigen::Index rows);
   void begin();
-  void add(const Factor& factor, const Places& places);
+  void add(const Factor& factor, Places places);
 
   // Afterwards the core's lower triangle is to get information() at columns(), and its gradient
   // gradient(). Throws Diverged when the states are not determined.
@@ -67,8 +68,8 @@ class LandmarkGroup {
 
  private:
   void add_prior_of_noise(const Factor& factor, const Place& place);
-  void add_row_with_noise(const Factor& factor, const Places& places);
-  void add_row_of_states(const Factor& factor, const Places& places);
+  void add_row_with_noise(const Factor& factor, Places places);
+  void add_row_of_states(const Factor& factor, Places places);
   void eliminate_noises(double damping);
 
   Eigen::Index dim_ = 0, noise_dim_ = 0, rows_ = 0, row_ = 0;

@@ -1,6 +1,7 @@
 #include "slammot/smoothers/normal_equations.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "slammot/models/estimator.h"
 
@@ -27,32 +28,38 @@ bool is_unit_prior(const Factor& factor) {
 }  // namespace
 
 void NormalEquations::place_variables(const Graph& graph) {
-  const auto in_core = [&](int dim) {
-    const Place place{Place::Part::kCore, -1, core_dim_, dim};
+  for (const auto& [id, v] : graph.variables()) places_.emplace_back(id, Place{});
+  const auto place_of = [&](VariableId id) -> Place& { return const_cast<Place&>(place(id)); };
+  const auto to_core = [&](VariableId id, int dim) {
+    place_of(id) = {Place::Part::kCore, -1, core_dim_, dim};
     core_dim_ += dim;
-    return place;
   };
-  for (const VariableId id : graph.prior().variables) {
-    places_[id] = in_core(graph.variables().at(id).dim());
-  }
-  std::set<VariableId> noises;
+  for (const VariableId id : graph.prior().variables) to_core(id, graph.variables().at(id).dim());
   for (const auto& [id, factor] : graph.factors()) {
-    if (is_unit_prior(factor)) noises.insert(factor.variables.front());
+    if (is_unit_prior(factor)) place_of(factor.variables.front()).part = Place::Part::kNoises;
   }
-  std::map<int, int> group_of_owner;
+  std::unordered_map<int, int> group_of_owner;
+  auto next = places_.begin();
   for (const auto& [id, v] : graph.variables()) {
-    if (places_.contains(id)) continue;
+    Place& here = next++->second;
+    if (here.dim > 0) continue;  // in the prior
     if (v.owner < 0) {
-      places_[id] = in_core(v.dim());
+      to_core(id, v.dim());
       continue;
     }
     const auto [it, is_new] = group_of_owner.try_emplace(v.owner, static_cast<int>(groups_.size()));
     if (is_new) groups_.emplace_back();
     const auto k = static_cast<std::size_t>(it->second);
-    places_[id] = groups_[k].add_variable(it->second, v.dim(), noises.contains(id));
+    here = groups_[k].add_variable(it->second, v.dim(), here.part == Place::Part::kNoises);
   }
   U_.setZero(core_dim_, core_dim_);
   g_.setZero(core_dim_);
+}
+
+const Place& NormalEquations::place(VariableId id) const {
+  return std::lower_bound(places_.begin(), places_.end(), id,
+                          [](const auto& p, VariableId wanted) { return p.first < wanted; })
+      ->second;
 }
 
 // With T = d(x [-] x0)/dx: H += T' R'R T, g += T' (R'R d + R'r).
@@ -76,44 +83,46 @@ void NormalEquations::add_prior(const Graph& graph) {
 
 void NormalEquations::add_factors(const Graph& graph) {
   reduced_g_ = g_;
-  std::vector<Places> all;
-  std::vector<int> group;  // of each factor, or -1
-  all.reserve(graph.factors().size());
+  std::vector<const Place*> all;  // of one factor after the other
+  std::vector<int> group;         // of each factor, or -1
   for (const auto& [id, factor] : graph.factors()) {
-    Places& places = all.emplace_back();
     group.push_back(-1);
     for (const VariableId v : factor.variables) {
-      places.push_back(&places_.at(v));
-      group.back() = std::max(group.back(), places.back()->group);
+      all.push_back(&place(v));
+      group.back() = std::max(group.back(), all.back()->group);
     }
-    if (group.back() >= 0) {
-      groups_[static_cast<std::size_t>(group.back())].tie(places, factor.r.size());
-    }
+    if (group.back() < 0) continue;
+    const Places places = std::span(all).last(factor.variables.size());
+    groups_[static_cast<std::size_t>(group.back())].tie(places, factor.r.size());
   }
   for (LandmarkGroup& g : groups_) g.begin();
-  std::size_t i = 0;
+  auto of_factor = group.begin();
+  std::span<const Place* const> rest(all);
   for (const auto& [id, factor] : graph.factors()) {
-    if (group[i] >= 0) groups_[static_cast<std::size_t>(group[i])].add(factor, all[i]);
-    add_to_core(factor, all[i++]);
+    const Places places = rest.first(factor.variables.size());
+    rest = rest.subspan(places.size());
+    if (*of_factor >= 0) groups_[static_cast<std::size_t>(*of_factor)].add(factor, places);
+    add_to_core(factor, places);
+    ++of_factor;
   }
 }
 
 // What a factor says of the core. Where noises of a group stand beside it, H gets it once these are
 // eliminated.
-void NormalEquations::add_to_core(const Factor& factor, const Places& places) {
+void NormalEquations::add_to_core(const Factor& factor, Places places) {
   const bool has_noise = LandmarkGroup::has_noise(places);
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Place& a = *places[i];
     if (a.group >= 0) continue;
-    const SmallVector g = factor.jacobian(i).transpose().lazyProduct(factor.r);
+    const auto J_t = factor.jacobian(i).transpose();
+    const SmallVector g = J_t.lazyProduct(factor.r);
     g_.segment(a.offset, a.dim) += g;
     if (has_noise) continue;
     reduced_g_.segment(a.offset, a.dim) += g;
     for (std::size_t j = 0; j < places.size(); ++j) {
       const Place& b = *places[j];
       if (b.group >= 0 || b.offset > a.offset) continue;  // U's lower triangle
-      U_.block(a.offset, b.offset, a.dim, b.dim) +=
-          factor.jacobian(i).transpose().lazyProduct(factor.jacobian(j));
+      U_.block(a.offset, b.offset, a.dim, b.dim) += J_t.lazyProduct(factor.jacobian(j));
     }
   }
 }
@@ -136,12 +145,12 @@ void NormalEquations::eliminate_groups(double damping) {
   U_.diagonal() += damping * squares;
 }
 
-Eigen::VectorXd NormalEquations::part(const Place& place, const Eigen::VectorXd& core,
+Eigen::VectorXd NormalEquations::part(const Place& at, const Eigen::VectorXd& core,
                                       const std::vector<LandmarkGroup::Part>& groups) const {
-  if (place.group < 0) return core.segment(place.offset, place.dim);
-  const LandmarkGroup::Part& group = groups[static_cast<std::size_t>(place.group)];
-  const bool is_noise = place.part == Place::Part::kNoises;
-  return (is_noise ? group.noises : group.states).segment(place.offset, place.dim);
+  if (at.group < 0) return core.segment(at.offset, at.dim);
+  const LandmarkGroup::Part& group = groups[static_cast<std::size_t>(at.group)];
+  const bool is_noise = at.part == Place::Part::kNoises;
+  return (is_noise ? group.noises : group.states).segment(at.offset, at.dim);
 }
 
 Step NormalEquations::step() const {
@@ -150,7 +159,7 @@ Step NormalEquations::step() const {
   std::vector<LandmarkGroup::Part> parts;
   for (const LandmarkGroup& group : groups_) parts.push_back(group.step(core));
   Step step;
-  for (const auto& [id, place] : places_) step[id] = part(place, core, parts);
+  for (const auto& [id, at] : places_) step[id] = part(at, core, parts);
   return step;
 }
 
@@ -158,7 +167,7 @@ double NormalEquations::slope(const Step& step) const {
   std::vector<LandmarkGroup::Part> parts;
   for (const LandmarkGroup& group : groups_) parts.push_back(group.slope());
   double sum = 0.0;
-  for (const auto& [id, place] : places_) sum += part(place, g_, parts).dot(step.at(id));
+  for (const auto& [id, at] : places_) sum += part(at, g_, parts).dot(step.at(id));
   return sum;
 }
 
@@ -178,20 +187,20 @@ std::vector<Eigen::MatrixXd> NormalEquations::covariances(
     Eigen::MatrixXd E_states, E_noises;
     Eigen::Index at = 0;
     for (const VariableId id : form.variables) {
-      const Place& place = places_.at(id);
-      const auto J_t = form.J.middleCols(at, place.dim).transpose();
-      at += place.dim;
-      if (place.group < 0) {
-        C_form.middleRows(place.offset, place.dim) += J_t;
+      const Place& p = place(id);
+      const auto J_t = form.J.middleCols(at, p.dim).transpose();
+      at += p.dim;
+      if (p.group < 0) {
+        C_form.middleRows(p.offset, p.dim) += J_t;
         continue;
       }
       if (!group) {
-        group = &groups_[static_cast<std::size_t>(place.group)];
+        group = &groups_[static_cast<std::size_t>(p.group)];
         E_states.setZero(group->states(), rows);
         E_noises.setZero(group->noises(), rows);
       }
-      const bool is_noise = place.part == Place::Part::kNoises;
-      (is_noise ? E_noises : E_states).middleRows(place.offset, place.dim) += J_t;
+      const bool is_noise = p.part == Place::Part::kNoises;
+      (is_noise ? E_noises : E_states).middleRows(p.offset, p.dim) += J_t;
     }
     result.emplace_back(Eigen::MatrixXd::Zero(rows, rows));
     if (group) {
@@ -247,7 +256,7 @@ std::vector<Eigen::MatrixXd> NormalEquations::covariances(
   std::vector<LinearForm> forms;
   for (const auto& set : sets) {
     int dim = 0;
-    for (const VariableId id : set) dim += places_.at(id).dim;
+    for (const VariableId id : set) dim += place(id).dim;
     forms.push_back({set, Eigen::MatrixXd::Identity(dim, dim)});
   }
   return covariances(forms);

@@ -45,16 +45,14 @@ class NormalEquations {
   void place_variables(const Graph& graph);
   void add_prior(const Graph& graph);
   void add_factors(const Graph& graph);
-  void add_to_core(const Factor& factor, const Places& places);
+  void add_to_core(const Factor& factor, Places places);
   void eliminate_groups(double damping);
-  LandmarkGroup& group_of(const Place& place) {
-    return groups_[static_cast<std::size_t>(place.group)];
-  }
+  const Place& place(VariableId id) const;
   // A vector over all variables, from its parts.
-  Eigen::VectorXd part(const Place& place, const Eigen::VectorXd& core,
+  Eigen::VectorXd part(const Place& at, const Eigen::VectorXd& core,
                        const std::vector<LandmarkGroup::Part>& groups) const;
 
-  std::map<VariableId, Place> places_;
+  std::vector<std::pair<VariableId, Place>> places_;  // by id
   std::vector<LandmarkGroup> groups_;
   int core_dim_ = 0;
   Eigen::MatrixXd U_;  // lower triangle; S after the groups are gone
