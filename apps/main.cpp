@@ -6,8 +6,7 @@
 #include "slammot/apps/command_line.h"
 #include "slammot/apps/commands.h"
 #include "slammot/datasets/sequence.h"
-
-extern "C" void openblas_set_num_threads(int);
+#include "slammot/eval/process.h"
 
 namespace {
 
@@ -37,7 +36,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  openblas_set_num_threads(1);  // so that no result depends on the machine's number of cores
+  slammot::prepare_process();
   slammot::remember_command_line(argc, argv);
   CLI::App app{
       "Monocular SLAM with moving objects: filters and smoothers side by side, and judged"};

@@ -2,11 +2,7 @@
 #include <benchmark/benchmark.h>
 
 #include "slammot/bench/corridor.h"
-#include "slammot/bench/timing.h"
-#include "slammot/eval/registry.h"
-#include "slammot/eval/stage_clock.h"
-
-extern "C" void openblas_set_num_threads(int);
+#include "slammot/bench/frame_times.h"
 
 namespace slammot::bench {
 namespace {
@@ -29,35 +25,34 @@ class BareUpdate {
 
 // Frames from where the state has grown to `n` on, each beside a bare update of the same size.
 void ekf_frame(benchmark::State& state) {
-  openblas_set_num_threads(1);
   const auto n = static_cast<int>(state.range(0));
   const CorridorOptions options{.frames = 100 + 2 * n / 2};
   const Corridor corridor = make_corridor(options);
   const Configuration configuration = corridor_configuration(options);
   const auto ekf = find_estimator("ekf").make(corridor.setup, configuration);
   std::size_t next = 0;
-  FrameReport report;
-  for (; report.state_size < n && next < corridor.frames.size(); ++next) {
-    StageClock clock;
-    report = ekf->process(corridor.frames[next], clock);
+  FrameTimes warm, times;
+  for (int size = 0; size < n && next < corridor.frames.size();) {
+    time_frame(*ekf, corridor.frames[next++], warm);
+    size = warm.reports.back().state_size;
   }
   BareUpdate bare;
-  std::vector<double> frame, update, ratio, measured, size;
-  std::map<std::string, std::vector<double>> stages;
+  std::vector<double> update, ratio, measured, size;
   for (auto _ : state) {
-    if (next == corridor.frames.size()) break;
-    StageClock clock;
-    report = ekf->process(corridor.frames[next++], clock);
-    for (const auto& [stage, ms] : clock.finish()) stages[stage].push_back(ms);
-    frame.push_back(stages["total"].back());
-    state.SetIterationTime(1e-3 * frame.back());
+    if (next == corridor.frames.size()) {
+      state.SkipWithError("the corridor is too short for this state");
+      return;
+    }
+    time_frame(*ekf, corridor.frames[next++], times);
+    const FrameReport& report = times.reports.back();
+    const double total = times.stages.at("total").back();
+    state.SetIterationTime(1e-3 * total);
     measured.push_back(report.accepted + report.rejected);
     size.push_back(report.state_size);
     update.push_back(bare.milliseconds(report.state_size, 2 * (report.accepted + report.rejected)));
-    ratio.push_back(frame.back() / update.back());
+    ratio.push_back(total / update.back());
   }
-  if (frame.empty()) return state.SkipWithError("the corridor is too short for this state");
-  for (const auto& [stage, ms] : stages) state.counters[stage] = median(ms);
+  for (const auto& [stage, ms] : times.stages) state.counters[stage] = median(ms);
   state.counters["n"] = median(size);
   state.counters["m"] = median(measured);
   state.counters["dsyrk"] = median(update);
@@ -69,7 +64,7 @@ BENCHMARK(ekf_frame)
     ->Arg(1000)
     ->Arg(2000)
     ->Arg(3000)
-    ->Iterations(60)
+    ->Iterations(40)
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond);
 

@@ -3,33 +3,16 @@
 #include <benchmark/benchmark.h>
 
 #include "slammot/bench/corridor.h"
-#include "slammot/bench/timing.h"
-#include "slammot/eval/registry.h"
-#include "slammot/eval/stage_clock.h"
+#include "slammot/bench/frame_times.h"
 
 namespace slammot::bench {
 namespace {
 
 constexpr int kWarm = 150, kTimed = 100;  // frames
 
-// Medians over the timed frames of each stage [ms].
-std::map<std::string, double> median_frame(const Corridor& corridor, const std::string& estimator,
-                                           const Configuration& configuration) {
-  const auto made = find_estimator(estimator).make(corridor.setup, configuration);
-  std::map<std::string, std::vector<double>> stages;
-  for (const Frame& frame : corridor.frames) {
-    StageClock clock;
-    made->process(frame, clock);
-    if (frame.index < kWarm) continue;
-    for (const auto& [stage, ms] : clock.finish()) stages[stage].push_back(ms);
-  }
-  std::map<std::string, double> medians;
-  for (const auto& [stage, ms] : stages) medians[stage] = median(ms);
-  return medians;
-}
-
-void report(benchmark::State& state, const std::map<std::string, double>& frame) {
-  for (const auto& [stage, ms] : frame) state.counters[stage] = ms;
+void report(benchmark::State& state, const FrameTimes& times) {
+  state.SetIterationTime(1e-3 * times.median("total"));
+  for (const auto& [stage, ms] : times.stages) state.counters[stage] = times.median(stage);
 }
 
 // Range: landmarks in view, length of the window.
@@ -41,12 +24,13 @@ void window_frame(benchmark::State& state) {
   configuration.model.policy.retain = "window";
   configuration.window.frames = static_cast<int>(state.range(1));
   for (auto _ : state) {
-    const auto window = median_frame(corridor, "window", configuration);
-    const auto ekf = median_frame(corridor, "ekf", configuration);
-    state.SetIterationTime(1e-3 * window.at("total"));
+    const FrameTimes window =
+        time_frames(corridor.setup, corridor.frames, "window", configuration, kWarm);
+    const FrameTimes ekf =
+        time_frames(corridor.setup, corridor.frames, "ekf", configuration, kWarm);
     report(state, window);
-    state.counters["ekf"] = ekf.at("total");
-    state.counters["ratio"] = window.at("total") / ekf.at("total");
+    state.counters["ekf"] = ekf.median("total");
+    state.counters["ratio"] = window.median("total") / ekf.median("total");
   }
 }
 BENCHMARK(window_frame)
@@ -68,9 +52,7 @@ void static_window(benchmark::State& state) {
   configuration.model.policy.retain = "window";
   configuration.model.classifier.name = "all_static";
   for (auto _ : state) {
-    const auto window = median_frame(corridor, "window", configuration);
-    state.SetIterationTime(1e-3 * window.at("total"));
-    report(state, window);
+    report(state, time_frames(corridor.setup, corridor.frames, "window", configuration, kWarm));
   }
 }
 BENCHMARK(static_window)

@@ -11,9 +11,8 @@
 #include "slammot/datasets/scenario.h"
 #include "slammot/eval/configuration.h"
 #include "slammot/eval/nees.h"
+#include "slammot/eval/process.h"
 #include "slammot/eval/run.h"
-
-extern "C" void openblas_set_num_threads(int);
 
 namespace {
 
@@ -32,7 +31,7 @@ double mean_nees(const slammot::Sequence& sequence,
 }  // namespace
 
 int main(int argc, char** argv) {
-  openblas_set_num_threads(1);
+  slammot::prepare_process();
   std::string name = "ekf";
   int runs = 50;
   std::vector<std::string> settings, scene;

@@ -17,6 +17,7 @@ struct CorridorOptions {
   int frames = 0;
   int visible = 40;               // landmarks measured in a frame: the cap of the map's policy
   double moving_fraction = 0.25;  // of the points
+  double speed = 1.5;             // of the camera [m/s]: how long a landmark is in view
 };
 
 Corridor make_corridor(const CorridorOptions& options);

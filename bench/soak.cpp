@@ -12,10 +12,9 @@
 
 #include "slammot/datasets/scenario.h"
 #include "slammot/eval/configuration.h"
+#include "slammot/eval/process.h"
 #include "slammot/eval/registry.h"
 #include "slammot/eval/setup.h"
-
-extern "C" void openblas_set_num_threads(int);
 
 namespace {
 
@@ -34,7 +33,7 @@ double resident_memory() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  openblas_set_num_threads(1);
+  slammot::prepare_process();
   std::string name = "ekf";
   int frames = 100000;
   CLI::App app("slammot soak: constant memory and time over many frames");

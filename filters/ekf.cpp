@@ -50,6 +50,8 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
   stages.begin("classify");
   note(frame.index);
   classify(frame.index);
+  stages.begin("collapse");
+  collapse();
   take_back();
 
   stages.begin("manage");

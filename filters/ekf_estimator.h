@@ -37,7 +37,7 @@ class Ekf final : public Estimator {
   // What became of each landmark's measurement, into its record.
   void note(int frame);
   void classify(int frame);
-  void collapse();
+  void collapse();  // of those that classify() found static
   // Takes back static labels that the innovations of this frame reject.
   void take_back();
   void retire(FrameReport& report);

@@ -109,7 +109,6 @@ void Ekf::classify(int frame) {
     note_answer(landmark.record, classifier_->decide(belief), frame);
     if (landmark.record.label == Label::kStatic) tracks_.push_back(match.track);
   }
-  collapse();
 }
 
 // (3.3). `condition` first uses w = 0 as an exact measurement: K = P[:,w] P_ww^-1.

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "slammot/models/estimator.h"
+#include "slammot/smoothers/triangularise.h"
 
 namespace slammot {
 
@@ -53,15 +54,23 @@ void FarMap::forget(const std::vector<VariableId>& ids) {
   }
 }
 
-void FarMap::eliminate(const Eigen::MatrixXd& R, const Eigen::VectorXd& r) {
-  const Eigen::Index n = R.rows();
-  Eigen::MatrixXd E = K.leftCols(n);
-  R.leftCols(n).triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(E);
-  mean.noalias() -= E * r;
-  Eigen::MatrixXd rest = K.rightCols(K.cols() - n);
-  rest.noalias() -= E * R.rightCols(R.cols() - n);
-  K = std::move(rest);
-  Sigma.selfadjointView<Eigen::Lower>().rankUpdate(E);
+void FarMap::eliminate(const std::vector<int>& stands, const Eigen::MatrixXd& T,
+                       const Eigen::MatrixXd& R, const Eigen::VectorXd& r) {
+  const Eigen::Index n = R.rows(), rest = R.cols() - n;
+  const Eigen::MatrixXd K_s = K(Eigen::all, stands);
+  Eigen::MatrixXd A = T.leftCols(n);
+  R.leftCols(n).triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(A);
+  mean.noalias() -= K_s * (A * r);
+  K = K.rightCols(rest).eval();
+  for (const int column : stands) {
+    if (column >= n) K.col(column - n).setZero();
+  }
+  Eigen::MatrixXd T_rest = T.rightCols(rest);
+  T_rest.noalias() -= A * R.rightCols(rest);
+  K.noalias() += K_s * T_rest;
+  // A A' = A_s' A_s, square where A is wide.
+  const Eigen::MatrixXd A_s = A.cols() > A.rows() ? triangularise(A.transpose()) : A.transpose();
+  Sigma.selfadjointView<Eigen::Lower>().rankUpdate(K_s * A_s.transpose());
 }
 
 // With Sigma_pp = L L' and X = Sigma_ip L^-T: the rest given x_p has K_i + X L^-1 (x_p - K_p b) and

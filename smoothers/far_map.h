@@ -45,8 +45,11 @@ struct FarMap {
   void forget(const std::vector<VariableId>& ids);
 
   // Marginalises the first columns of K, whose variables are R_ff d_f + R_fr d_r + r_f ~ N(0, I);
-  // R = (R_ff R_fr), columns of K in the same order.
-  void eliminate(const Eigen::MatrixXd& R, const Eigen::VectorXd& r);
+  // R = (R_ff R_fr), columns of K in the same order. Some columns of K first stand for combinations
+  // of variables: d_stands = T d. Few though these may be, their T may reach many variables that go
+  // (a chain of noises): all products here are as thin as they are few.
+  void eliminate(const std::vector<int>& stands, const Eigen::MatrixXd& T, const Eigen::MatrixXd& R,
+                 const Eigen::VectorXd& r);
 };
 
 // What returns to the prior: U (x - mean - K d) ~ N(0, I), U upper triangular.

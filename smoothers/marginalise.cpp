@@ -95,6 +95,25 @@ void substitute(Eigen::MatrixXd& Ab, const Columns& columns, const Advance& adva
   Ab.middleCols<6>(columns.offset.at(advance.noise)).noalias() -= A_next * advance.G;
 }
 
+// The columns of the far map's K that this marginalisation changes: of what goes and was in the
+// prior, or rests now, and of what advances.
+std::vector<int> far_columns(const Graph& graph, const Columns& columns, int gone,
+                             const std::vector<Advance>& advances,
+                             const std::set<VariableId>& resting) {
+  std::set<VariableId> ids(resting);
+  for (const VariableId id : graph.prior().variables) {
+    if (columns.offset.at(id) < gone) ids.insert(id);
+  }
+  for (const Advance& a : advances) ids.insert({a.y, a.w});
+  std::vector<int> stands;
+  for (const VariableId id : ids) {
+    for (int k = 0; k < graph.variables().at(id).dim(); ++k) {
+      stands.push_back(columns.offset.at(id) + k);
+    }
+  }
+  return stands;
+}
+
 }  // namespace
 
 void marginalise(Graph& graph, const std::set<VariableId>& leaving,
@@ -111,7 +130,6 @@ void marginalise(Graph& graph, const std::set<VariableId>& leaving,
   for (const VariableId id : resting) far.add(id, graph.value(id), columns.offset.at(id));
   for (const Advance& a : advances) {
     substitute(Ab, columns, a);
-    substitute(far.K, columns, a);
     graph.set_value(a.y, a.next.head<3>());
     graph.set_value(a.w, a.next.tail<3>());
     graph.forget_first_estimate(a.y);  // it is another state now
@@ -128,7 +146,11 @@ void marginalise(Graph& graph, const std::set<VariableId>& leaving,
     }
   }
   if (!far.empty()) {
-    far.eliminate(R.topLeftCorner(gone, columns.total), R.col(columns.total).head(gone));
+    const std::vector<int> stands = far_columns(graph, columns, gone, advances, resting);
+    Eigen::MatrixXd T = Eigen::MatrixXd::Zero(std::ssize(stands), columns.total);
+    for (std::size_t i = 0; i < stands.size(); ++i) T(static_cast<int>(i), stands[i]) = 1.0;
+    for (const Advance& a : advances) substitute(T, columns, a);
+    far.eliminate(stands, T, R.topLeftCorner(gone, columns.total), R.col(columns.total).head(gone));
   }
   for (const FactorId id : touched) graph.remove_factor(id);
   const int kept = columns.total - gone;

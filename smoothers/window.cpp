@@ -63,7 +63,9 @@ FrameReport Window::process(const Frame& frame, StageListener& stages) {
   stages.begin("classify");
   for (auto& [track, landmark] : landmarks_) ++landmark.record.unused_frames;
   for (const Observation& z : accepted) note_accepted(landmarks_.at(z.track).record, frame.index);
-  classify(accepted, optimum.equations, frame.index);
+  const std::vector<int> now_static = classify(accepted, optimum.equations, frame.index);
+  stages.begin("collapse");
+  collapse(now_static);
   take_back(frame);
 
   stages.begin("manage");

@@ -90,8 +90,9 @@ class Window : public Estimator {
   void admit_known(const Frame& frame, FrameReport& report);
   void admit_new(const Frame& frame, FrameReport& report);
   WindowLandmark& birth(const TrackRecord& record, const Eigen::Vector2d& pixel);
-  void classify(const std::vector<Observation>& accepted, const NormalEquations& equations,
-                int frame);
+  // Returns the tracks that are static from now on.
+  std::vector<int> classify(const std::vector<Observation>& accepted,
+                            const NormalEquations& equations, int frame);
   void collapse(const std::vector<int>& tracks);
   void add_motion(WindowLandmark& landmark);
   // Takes back static labels that the innovations of this frame reject.

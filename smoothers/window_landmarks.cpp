@@ -79,8 +79,8 @@ void Window::add_motion(WindowLandmark& l) {
 }
 
 // Thesis 3.1.3, for every landmark measured in this frame whose label is open.
-void Window::classify(const std::vector<Observation>& accepted, const NormalEquations& equations,
-                      int frame) {
+std::vector<int> Window::classify(const std::vector<Observation>& accepted,
+                                  const NormalEquations& equations, int frame) {
   std::vector<int> asked, now_static;
   std::vector<LinearForm> forms;
   std::vector<Vector6d> states;
@@ -104,7 +104,7 @@ void Window::classify(const std::vector<Observation>& accepted, const NormalEqua
     note_answer(record, classifier_->decide(belief), frame);
     if (record.label == Label::kStatic) now_static.push_back(asked[i]);
   }
-  collapse(now_static);
+  return now_static;
 }
 
 // (3.3). `drop` marginalises all that made the landmark move; `condition` states that it never

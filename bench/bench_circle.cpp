@@ -1,0 +1,35 @@
+// The default scenario from its first frame to its last, with the default configuration: frames a
+// second, and what the stages have of it. Means over the whole run, because the map grows.
+#include <benchmark/benchmark.h>
+
+#include "slammot/bench/frame_times.h"
+#include "slammot/datasets/scenario.h"
+#include "slammot/eval/setup.h"
+
+namespace slammot::bench {
+namespace {
+
+void circle(benchmark::State& state, const std::string& estimator) {
+  const Sequence sequence = simulate("circle", {}, 1);
+  const Configuration configuration;
+  const Setup setup = make_setup(sequence, configuration);
+  for (auto _ : state) {
+    const FrameTimes times = time_frames(setup, sequence.frames, estimator, configuration, 0);
+    const double total = times.mean("total");
+    state.SetIterationTime(1e-3 * total);
+    for (const auto& [stage, ms] : times.stages) state.counters[stage] = times.mean(stage);
+    state.counters["frames_per_second"] = 1e3 / total;
+    state.counters["classification_share"] = times.mean("classify") / total;
+  }
+}
+BENCHMARK_CAPTURE(circle, ekf, "ekf")
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(circle, window, "window")
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace slammot::bench

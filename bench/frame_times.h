@@ -1,0 +1,47 @@
+// The stages of an estimator's frames, timed.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "slammot/bench/timing.h"
+#include "slammot/eval/registry.h"
+#include "slammot/eval/stage_clock.h"
+
+namespace slammot::bench {
+
+// Milliseconds of each stage, `total` among them, frame by frame; 0 where a frame has no such
+// stage.
+struct FrameTimes {
+  std::map<std::string, std::vector<double>> stages;
+  std::vector<FrameReport> reports;
+
+  double median(const std::string& stage) const { return bench::median(stages.at(stage)); }
+  double mean(const std::string& stage) const {
+    double sum = 0.0;
+    for (const double ms : stages.at(stage)) sum += ms;
+    return sum / static_cast<double>(stages.at(stage).size());
+  }
+};
+
+// One frame more; the estimator's answer is kept.
+inline void time_frame(Estimator& estimator, const Frame& frame, FrameTimes& times) {
+  StageClock clock;
+  times.reports.push_back(estimator.process(frame, clock));
+  for (const auto& [stage, ms] : clock.finish()) times.stages[stage].push_back(ms);
+}
+
+// Frames from number `first` on; those before only warm up.
+inline FrameTimes time_frames(const Setup& setup, const std::vector<Frame>& frames,
+                              const std::string& estimator, const Configuration& configuration,
+                              std::size_t first) {
+  const auto made = find_estimator(estimator).make(setup, configuration);
+  FrameTimes warm, times;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    time_frame(*made, frames[i], i < first ? warm : times);
+  }
+  return times;
+}
+
+}  // namespace slammot::bench

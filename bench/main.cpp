@@ -1,0 +1,12 @@
+// All benchmarks of bench_*.cpp; scripts/bench makes a table of their ratios.
+#include <benchmark/benchmark.h>
+
+#include "slammot/eval/process.h"
+
+int main(int argc, char** argv) {
+  slammot::prepare_process();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
