@@ -17,9 +17,10 @@ double fold_cost(double near, double adjoint, double far) {
 
 }  // namespace
 
-// What is measured comes back at once. What is not rests at the next fold, and a fold comes as soon
-// as the updates of a near part larger than it need be have cost what the fold will: so both
-// together cost at most twice the least. A map that does not pay is never divided.
+// What is measured comes back at once. What is not rests at the next fold, and a fold comes once
+// the updates of a near part larger than it need be (twice what is kept: the adjoint is as large)
+// have cost what the fold will. A map too small to pay is then never divided, and a fold stays rare
+// where the far part is large.
 void Ekf::divide(const Frame& frame) {
   rest();
   for (const Observation& z : frame.observations) {

@@ -1,6 +1,8 @@
 // What of the joint state is near and what is far.
 #include <algorithm>
+#include <numeric>
 #include <set>
+#include <utility>
 
 #include "slammot/filters/joint_state.h"
 
@@ -8,8 +10,10 @@ namespace slammot {
 
 namespace {
 
-std::vector<int> rows_of(const std::vector<StateBlock*>& blocks) {
-  std::vector<int> rows;
+// The first `first` rows, and those of the blocks.
+std::vector<int> rows_of(int first, const std::vector<StateBlock*>& blocks) {
+  std::vector<int> rows(static_cast<std::size_t>(first));
+  std::iota(rows.begin(), rows.end(), 0);
   for (const StateBlock* b : blocks) {
     for (int k = 0; k < b->dim; ++k) rows.push_back(b->offset + k);
   }
@@ -35,11 +39,8 @@ void JointState::rest(const std::vector<int>& tracks) {
   }
   std::ranges::sort(kept, {}, [](const StateBlock* b) { return b->offset; });  // newest last
   const int first = scene ? scene->block.end() : kCamera.end();
-  std::vector<int> kept_rows = rows_of(kept);
-  for (int i = first; i-- > 0;) kept_rows.insert(kept_rows.begin(), i);
-
   int next_far = far.size();
-  far.fold(covariance, kept_rows, rows_of(resting), first);
+  far.fold(covariance, rows_of(first, kept), rows_of(0, resting), first);
   int next_near = far.adjoint().end();
   for (StateBlock* b : kept) *b = {std::exchange(next_near, next_near + b->dim), b->dim};
   for (StateBlock* b : resting) *b = {std::exchange(next_far, next_far + b->dim), b->dim, true};
