@@ -84,6 +84,18 @@ ConfigurationKey choice(std::string name, const std::string& help, std::vector<s
           [=](const Configuration& c) -> std::string { return field(c); }};
 }
 
+template <typename Field>
+ConfigurationKey flag(std::string name, const std::string& help, Field field) {
+  auto set = [=](Configuration& c, const std::string& text) {
+    if (text != "true" && text != "false") {
+      throw std::invalid_argument(fmt::format("'{}' is not one of true, false", text));
+    }
+    field(c) = text == "true";
+  };
+  return {std::move(name), help + ": true, false", set,
+          [=](const Configuration& c) -> std::string { return field(c) ? "true" : "false"; }};
+}
+
 #define SLAMMOT_FIELD(path) \
   [](auto& c) -> auto& { return c.path; }
 
@@ -165,6 +177,8 @@ std::vector<ConfigurationKey> estimator_keys() {
              {"standard", "fej", "ideal", "invariant"}, SLAMMOT_FIELD(ekf.linearisation)),
       number("ekf.iterations", "1: EKF, more: iterated EKF", kPositive,
              SLAMMOT_FIELD(ekf.iterations)),
+      flag("ekf.deferred", "landmarks out of view are updated when they return; exact",
+           SLAMMOT_FIELD(ekf.deferred)),
       number("window.frames", "camera states kept", kPositive, SLAMMOT_FIELD(window.frames)),
       number("window.iterations", "Gauss-Newton steps a frame at most", kPositive,
              SLAMMOT_FIELD(window.iterations)),

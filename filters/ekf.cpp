@@ -11,6 +11,11 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       landmark_(find_landmark(models.landmark)),
       classifier_(make_classifier(classifier_for(landmark_, models.classifier), setup.true_labels)),
       linearisation_(options.linearisation, landmark_, setup.truth) {
+  if (options.deferred && options.linearisation == "invariant") {
+    throw std::invalid_argument(
+        "ekf.deferred cannot go with linearisation invariant, which changes far rows at each "
+        "update");
+  }
   for (const KnownLandmark& known : setup.known) known_[known.track] = known;
   state_.camera = setup.initial.state;
   state_.covariance.append({}, setup.initial.sigmas().cwiseAbs2().asDiagonal().toDenseMatrix());
@@ -27,6 +32,7 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
   FrameReport report;
   stages.begin("predict");
   if (!timestamp_) first_frame_ = frame.index;
+  if (options_.deferred) divide(frame);
   predict(frame);
   admit_known(frame, report);
 
@@ -58,7 +64,7 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
   retire(report);
   admit_new(frame, report);
   check();
-  report.state_size = state_.covariance.size();
+  report.state_size = state_.size();
   for (const auto& [track, l] : state_.landmarks) report.negative_inverse_depth += l.y.z() < 0.0;
   return report;
 }
@@ -110,7 +116,10 @@ void Ekf::correct() {
 // Without a positive diagonal nothing that follows means anything.
 void Ekf::check() const {
   const auto diagonal = state_.covariance.diagonal();
-  if (!diagonal.allFinite() || diagonal.minCoeff() < 0.0) {
+  const StateBlock adjoint = state_.far.adjoint();  // no covariance stands there
+  const auto positive = [](const auto& d) { return d.size() == 0 || d.minCoeff() >= 0.0; };
+  if (!diagonal.allFinite() || !positive(diagonal.head(adjoint.offset)) ||
+      !positive(diagonal.tail(diagonal.size() - adjoint.end()))) {
     throw Diverged("the covariance has a negative or infinite variance");
   }
 }

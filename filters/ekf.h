@@ -1,7 +1,8 @@
 // The EKF of the thesis: joint covariance of camera and all landmarks, undelayed initialisation.
 //
 // Per frame: predict, gate, update, classify, manage. Options: landmark model, classifier,
-// collapse, iterations. Errors: Diverged when a covariance stops being one.
+// collapse, iterations, deferred updates of what is out of view. Errors: Diverged when a covariance
+// stops being one.
 #pragma once
 
 #include <memory>
@@ -12,7 +13,8 @@
 
 namespace slammot {
 
-// Throws std::invalid_argument for an unknown landmark model or classifier.
+// Throws std::invalid_argument for an unknown landmark model or classifier, or options that exclude
+// each other.
 std::unique_ptr<Estimator> make_ekf(const Setup& setup, const ModelOptions& models,
                                     const EkfOptions& options);
 

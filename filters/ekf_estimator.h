@@ -21,12 +21,20 @@ class Ekf final : public Estimator {
   FrameReport process(const Frame& frame, StageListener& stages) override;
   CameraEstimate camera() const override;
   std::vector<LandmarkEstimate> landmarks() const override;
+  std::vector<LandmarkEstimate> landmarks_measured(int index) const override;
+
+  const JointState& state() const { return state_; }
 
  private:
   // ekf.cpp: the frame.
   void predict(const Frame& frame);
   void correct();
   void check() const;
+
+  // ekf_far.cpp: what of the map is near.
+  void divide(const Frame& frame);
+  void rest();
+  int find_resting();
 
   // ekf_landmarks.cpp: the life of landmarks.
   void admit_known(const Frame& frame, FrameReport& report);
@@ -53,7 +61,8 @@ class Ekf final : public Estimator {
   JointState state_;
   Linearisation linearisation_;
   std::optional<double> timestamp_;
-  int first_frame_ = 0;  // index of the first frame processed
+  int first_frame_ = 0;     // index of the first frame processed
+  double overspent_ = 0.0;  // since the last fold, by `deferred`
 
   // Of the frame in hand; kept for their memory.
   std::vector<Match> matches_, accepted_, pending_;
@@ -61,7 +70,8 @@ class Ekf final : public Estimator {
   Innovation innovation_;
   Gate gate_;
   std::vector<Observation> unmatched_;
-  std::vector<int> tracks_;  // now static, or lost
+  std::vector<int> tracks_;   // now static, lost, or to rest
+  std::vector<int> anchors_;  // of landmarks that stay near
 };
 
 }  // namespace slammot

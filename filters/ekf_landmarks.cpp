@@ -148,6 +148,7 @@ void Ekf::take_back() {
 }
 
 void Ekf::retire(FrameReport& report) {
+  state_.correct_far();
   tracks_.clear();
   const CameraState c = linearisation_.camera(state_);
   for (auto& [track, landmark] : state_.landmarks) {
@@ -165,26 +166,25 @@ void Ekf::retire(FrameReport& report) {
 
 LandmarkEstimate Ekf::estimate(const FilterLandmark& landmark) const {
   const FilterAnchor& anchor = state_.anchors.at(landmark.anchor);
-  const JointCovariance& P = state_.covariance;
   LandmarkBelief belief;
   belief.anchor = anchor.position;
   belief.y = landmark.y;
   belief.w = landmark.w;
-  const StateBlock blocks[] = {anchor.block, landmark.y_block, landmark.w_block};
-  const int dim = 3 + landmark.dim();
-  belief.covariance.resize(dim, dim);
-  for (int i = 0, row = 0; i < 3; row += blocks[i++].dim) {
-    for (int j = 0, column = 0; j < 3; column += blocks[j++].dim) {
-      belief.covariance.block(row, column, blocks[i].dim, blocks[j].dim) =
-          P.block(blocks[i], blocks[j]);
-    }
-  }
+  belief.covariance = state_.marginal(landmark);
   return landmark_.estimate(landmark.record, belief);
 }
 
 std::vector<LandmarkEstimate> Ekf::landmarks() const {
   std::vector<LandmarkEstimate> estimates;
   for (const auto& [track, landmark] : state_.landmarks) estimates.push_back(estimate(landmark));
+  return estimates;
+}
+
+std::vector<LandmarkEstimate> Ekf::landmarks_measured(int index) const {
+  std::vector<LandmarkEstimate> estimates;
+  for (const auto& [track, landmark] : state_.landmarks) {
+    if (landmark.record.last_frame == index) estimates.push_back(estimate(landmark));
+  }
   return estimates;
 }
 

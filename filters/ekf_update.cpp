@@ -94,7 +94,7 @@ void solve(Innovation& z) {
 void relinearise(const JointState& prior, const Linearisation& linearisation, const Camera& camera,
                  const Innovation& first, Innovation& z) {
   const Eigen::VectorXd dx = *z.dx;
-  JointState iterate{prior.camera, prior.scene, prior.anchors, prior.landmarks, {}};
+  JointState iterate{prior.camera, prior.scene, prior.anchors, prior.landmarks, {}, {}};
   iterate.move(dx);
   const Eigen::Matrix3d J_r = right_jacobian_so3(dx.segment<3>(kRotation));
   z.nu = first.nu;

@@ -131,6 +131,49 @@ StateBlock JointCovariance::append(const std::vector<Dependence>& dependences, c
   return added;
 }
 
+StateBlock JointCovariance::append_rows(const Eigen::MatrixXd& cross, const Eigen::MatrixXd& own) {
+  const StateBlock added{size_, static_cast<int>(own.rows())};
+  reserve(added.end());
+  storage_.block(0, added.offset, size_, added.dim) = cross;
+  storage_.block(added.offset, added.offset, added.dim, added.dim) = own;
+  size_ += added.dim;
+  return added;
+}
+
+Eigen::MatrixXd JointCovariance::multiply(StateBlock b, const Eigen::MatrixXd& x) const {
+  const int after = size_ - b.end();
+  Eigen::MatrixXd product(size_, x.cols());
+  product.topRows(b.offset).noalias() = storage_.block(0, b.offset, b.offset, b.dim) * x;
+  product.middleRows(b.offset, b.dim).noalias() =
+      storage_.block(b.offset, b.offset, b.dim, b.dim).selfadjointView<Eigen::Upper>() * x;
+  product.bottomRows(after).noalias() =
+      storage_.block(b.offset, b.end(), b.dim, after).transpose() * x;
+  return product;
+}
+
+// By runs of columns, each down to the diagonal.
+void JointCovariance::add_product(Eigen::Ref<const Eigen::MatrixXd> A,
+                                  Eigen::Ref<const Eigen::MatrixXd> B) {
+  constexpr int kRun = 128;
+  for (int first = 0; first < size_; first += kRun) {
+    const int run = std::min(kRun, size_ - first), end = first + run;
+    storage_.block(0, first, end, run).noalias() +=
+        A.leftCols(end).transpose() * B.middleCols(first, run);
+  }
+}
+
+void JointCovariance::assign(const Eigen::MatrixXd& values) {
+  size_ = 0;
+  reserve(static_cast<int>(values.rows()));
+  size_ = static_cast<int>(values.rows());
+  storage_.topLeftCorner(size_, size_) = values;
+}
+
+void JointCovariance::clear(StateBlock b) {
+  storage_.block(0, b.offset, b.end(), b.dim).setZero();
+  storage_.block(b.offset, b.offset, b.dim, size_ - b.offset).setZero();
+}
+
 void JointCovariance::propagate(std::initializer_list<StateBlock> b, const Block& F,
                                 const Block& Q) {
   gather(b);

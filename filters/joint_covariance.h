@@ -16,10 +16,11 @@
 
 namespace slammot {
 
-// A run of rows (and columns) of P.
+// A run of rows (and columns) of P; of the far part's P where it is `far` (far_part.h).
 struct StateBlock {
   int offset = 0;
   int dim = 0;
+  bool far = false;
   int end() const { return offset + dim; }
 };
 
@@ -52,6 +53,21 @@ class JointCovariance {
     Block J;
   };
   StateBlock append(const std::vector<Dependence>& dependences, const Block& R);
+
+  // The same with its rows given: P[:, new] and P[new, new].
+  StateBlock append_rows(const Eigen::MatrixXd& cross, const Eigen::MatrixXd& own);
+
+  // P[:, b] x, for a block of any size.
+  Eigen::MatrixXd multiply(StateBlock b, const Eigen::MatrixXd& x) const;
+
+  // P := P + A' B, which must be symmetric.
+  void add_product(Eigen::Ref<const Eigen::MatrixXd> A, Eigen::Ref<const Eigen::MatrixXd> B);
+
+  // P := values.
+  void assign(const Eigen::MatrixXd& values);
+
+  // P[:, b] := 0 with its mirror.
+  void clear(StateBlock b);
 
   // e_b := F e_b + noise of covariance Q, b being these blocks one after the other.
   void propagate(std::initializer_list<StateBlock> b, const Block& F, const Block& Q);

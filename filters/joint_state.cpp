@@ -5,11 +5,15 @@ namespace slammot {
 void JointState::move(Eigen::Ref<const Eigen::VectorXd> dx) {
   camera = boxplus(camera, Vector12d(dx.head<kCameraDim>()));
   if (scene) scene->inverse_depth += dx(scene->block.offset);
-  for (auto& [frame, anchor] : anchors) anchor.position += dx.segment<3>(anchor.block.offset);
+  for (auto& [frame, anchor] : anchors) {
+    if (!anchor.block.far) anchor.position += dx.segment<3>(anchor.block.offset);
+  }
   for (auto& [track, landmark] : landmarks) {
+    if (landmark.is_far()) continue;
     landmark.y += dx.segment<3>(landmark.y_block.offset);
     if (landmark.is_free()) landmark.w += dx.segment<3>(landmark.w_block.offset);
   }
+  if (!far.empty()) far.correct(dx.segment(far.adjoint().offset, far.adjoint().dim));
 }
 
 void JointState::correct(Eigen::Ref<const Eigen::VectorXd> dx) {
@@ -17,18 +21,21 @@ void JointState::correct(Eigen::Ref<const Eigen::VectorXd> dx) {
   covariance.transform({{kRotation, 3}}, right_jacobian_so3(dx.segment<3>(kRotation)));
 }
 
+void JointState::follow(StateBlock from, StateBlock to) {
+  const auto moved = [&](StateBlock& b) {
+    if (b.offset == from.offset && b.far == from.far) b = to;
+  };
+  for (auto& [frame, anchor] : anchors) moved(anchor.block);
+  for (auto& [track, landmark] : landmarks) {
+    moved(landmark.y_block);
+    if (landmark.is_free()) moved(landmark.w_block);
+  }
+}
+
 // Another block may move into its place.
 void JointState::remove_block(StateBlock block) {
-  const auto moved = covariance.remove(block);
-  if (!moved) return;
-  const auto follow = [&](StateBlock& b) {
-    if (b.offset == moved->offset) b.offset = block.offset;
-  };
-  for (auto& [frame, anchor] : anchors) follow(anchor.block);
-  for (auto& [track, landmark] : landmarks) {
-    follow(landmark.y_block);
-    if (landmark.is_free()) follow(landmark.w_block);
-  }
+  const auto moved = block.far ? far.remove(block) : covariance.remove(block);
+  if (moved) follow(*moved, block);
 }
 
 void JointState::remove_landmarks(const std::vector<int>& tracks) {

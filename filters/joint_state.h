@@ -2,12 +2,14 @@
 //
 // Landmarks born in one frame share one anchor: its rows are identical for all of them for ever, so
 // they are stored once. Layout of the error state: camera 12, the scene's depth (1) when it is to
-// be learnt, then places of 3 in any order: an anchor, the y of a landmark, the w of a free one.
+// be learnt, the adjoint of the far part where there is one (far_part.h), then places of 3 in any
+// order: an anchor, the y of a landmark, the w of a free one.
 #pragma once
 
 #include <map>
 #include <optional>
 
+#include "slammot/filters/far_part.h"
 #include "slammot/filters/joint_covariance.h"
 #include "slammot/models/camera_state.h"
 #include "slammot/models/track_policy.h"
@@ -29,6 +31,7 @@ struct FilterLandmark {
   StateBlock w_block;  // empty when static
 
   bool is_free() const { return w_block.dim > 0; }
+  bool is_far() const { return y_block.far; }
   int dim() const { return y_block.dim + w_block.dim; }
   Vector6d x() const { return (Vector6d() << y, w).finished(); }
 };
@@ -45,7 +48,8 @@ struct JointState {
   std::optional<FilterScene> scene;
   std::map<int, FilterAnchor> anchors;      // by the index of the frame they were born in
   std::map<int, FilterLandmark> landmarks;  // by track
-  JointCovariance covariance;
+  JointCovariance covariance;               // of all but the far part
+  FarPart far;
 
   static constexpr StateBlock kCamera{0, kCameraDim};
   static constexpr StateBlock kPose{0, 6};
@@ -57,6 +61,21 @@ struct JointState {
   // The same without touching P: for an iterate.
   void move(Eigen::Ref<const Eigen::VectorXd> dx);
 
+  // Rows of the error state, those of the far part included.
+  int size() const { return covariance.size() - far.adjoint().dim + far.size(); }
+
+  // The covariance of (anchor, y, w) of a landmark.
+  Eigen::MatrixXd marginal(const FilterLandmark& landmark) const;
+
+  // joint_state_far.cpp. Static landmarks, in the order of their tracks, and anchors that no near
+  // one uses then, go to the far part; a far landmark comes back with its anchor. Rows of near
+  // landmarks may move.
+  void rest(const std::vector<int>& tracks);
+  void bring_back(int track);
+
+  // The estimates of the far part follow what was corrected since this was last done.
+  void correct_far();
+
   // Removes landmarks, and anchors that nobody uses any more.
   void remove_landmarks(const std::vector<int>& tracks);
 
@@ -67,7 +86,10 @@ struct JointState {
   void free_motion(int track, double sigma);
 
  private:
+  // The rows of `from` are now those of `to`.
+  void follow(StateBlock from, StateBlock to);
   void remove_block(StateBlock block);
+  StateBlock bring_back(StateBlock block);
 };
 
 }  // namespace slammot

@@ -44,6 +44,9 @@ class Linearisation {
   Eigen::Vector3d anchor(const JointState& state, int frame) const;
   Vector6d landmark(const JointState& state, int track) const;
 
+  // Whether the landmark's point no longer asks for its covariance.
+  bool is_settled(int track) const { return kind_ != Kind::kFej || settled_.contains(track); }
+
   // The state was predicted to the frame `frame`, dt after the one before.
   void predicted(const JointState& state, int frame, double dt);
 
