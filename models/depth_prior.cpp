@@ -48,17 +48,18 @@ LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, const std::vector<
   double mean = 0.0, squares = 0.0;
   for (const double x : rho) mean += x / n;
   for (const double x : rho) squares += (x - mean) * (x - mean);
-  const double count = kStatement + n;
+  // Beside a shared mean, rho0 is no claim about this scene's, and being surprised by it no spread.
+  const double guess = stated.mean_sigma > 0.0 ? 0.0 : kStatement;
   const double surprise = mean - stated.inverse_depth;
   const double blended = squares +
                          kStatement * stated.inverse_depth_sigma * stated.inverse_depth_sigma +
-                         kStatement * n / count * surprise * surprise;
+                         guess * n / (guess + n) * surprise * surprise;
   LandmarkPrior learnt = stated;
   learnt.mean_sigma = 0.0;  // for the motion's prior: rho0 is not in doubt any more
-  learnt.inverse_depth = (kStatement * stated.inverse_depth + n * mean) / count;
+  learnt.inverse_depth = (guess * stated.inverse_depth + n * mean) / (guess + n);
   // A statement that is too narrow must not make it narrower than the sample alone would.
-  learnt.inverse_depth_sigma = std::sqrt(
-      std::max(student_variance(blended, count, count), student_variance(squares, n - 1.0, n)));
+  learnt.inverse_depth_sigma = std::sqrt(std::max(
+      student_variance(blended, kStatement + n, guess + n), student_variance(squares, n - 1.0, n)));
   return learnt;
 }
 

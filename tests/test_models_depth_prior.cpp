@@ -80,6 +80,18 @@ TEST(DepthPrior, WhoCounts) {
   EXPECT_LT(learnt.inverse_depth_sigma, kMean);
 }
 
+TEST(DepthPrior, BesideASharedMeanAWrongGuessIsNoSpread) {
+  std::mt19937_64 engine(4);
+  const auto seen = scene(10, engine);
+  LandmarkPrior shared = statement(3.0 * kMean, kSpread);
+  const LandmarkPrior alone = learnt_depth_prior(shared, seen);
+  shared.mean_sigma = 0.1;
+  const LandmarkPrior learnt = learnt_depth_prior(shared, seen);
+  EXPECT_GT(alone.inverse_depth_sigma, 3.0 * kSpread);
+  EXPECT_LT(learnt.inverse_depth_sigma, 2.0 * kSpread);
+  EXPECT_NEAR(learnt.inverse_depth, kMean, kSpread);
+}
+
 TEST(DepthPrior, Sources) {
   const LandmarkPrior stated = statement(0.2, 0.1);
   EXPECT_FALSE(DepthPrior("stated", stated).learns());
