@@ -28,6 +28,7 @@ void bound(Configuration& c) {
   c.model.classifier.name = "truth";
   c.model.gate_probability = 1.0;
   c.ekf.linearisation = "ideal";
+  c.model.depth_prior = "stated";
 }
 void delayed(Configuration& c) { c.ekf.delayed = true; }
 

@@ -10,6 +10,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       options_(options),
       landmark_(find_landmark(models.landmark)),
       classifier_(make_classifier(classifier_for(landmark_, models.classifier), setup.true_labels)),
+      depth_prior_(models.depth_prior, setup.prior),
       linearisation_(options.linearisation, landmark_, setup.truth) {
   if (options.deferred && options.linearisation == "invariant") {
     throw std::invalid_argument(
@@ -52,6 +53,7 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
 
   stages.begin("update");
   correct();
+  learn_depths();
 
   stages.begin("classify");
   note(frame.index);

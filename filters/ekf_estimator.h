@@ -10,12 +10,14 @@
 #include "slammot/filters/ekf.h"
 #include "slammot/filters/ekf_update.h"
 #include "slammot/models/classification.h"
+#include "slammot/models/depth_prior.h"
 
 namespace slammot {
 
 class Ekf final : public Estimator {
  public:
-  // Throws std::invalid_argument for an unknown landmark model, classifier or linearisation.
+  // Throws std::invalid_argument for an unknown landmark model, classifier, linearisation or
+  // source of the depth prior.
   Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options);
 
   FrameReport process(const Frame& frame, StageListener& stages) override;
@@ -39,11 +41,12 @@ class Ekf final : public Estimator {
   // ekf_landmarks.cpp: the life of landmarks.
   void admit_known(const Frame& frame, FrameReport& report);
   void admit_new(const Frame& frame, FrameReport& report);
-  StateBlock append_new(const NewLandmark& at, int dim);
+  StateBlock append_new(const NewLandmark& at, const LandmarkPrior& prior, int dim);
   FilterAnchor& anchor_here(int frame);
   FilterLandmark& add(TrackRecord record, const Eigen::Vector3d& y, StateBlock block, int frame);
   // What became of each landmark's measurement, into its record.
   void note(int frame);
+  void learn_depths();
   void classify(int frame);
   void collapse();  // of those that classify() found static
   // Takes back static labels that the innovations of this frame reject.
@@ -56,6 +59,7 @@ class Ekf final : public Estimator {
   EkfOptions options_;
   const LandmarkFunctions& landmark_;
   std::unique_ptr<Classifier> classifier_;
+  DepthPrior depth_prior_;
   std::map<int, KnownLandmark> known_;
   std::set<int> known_used_;
   JointState state_;

@@ -21,7 +21,7 @@ void Ekf::admit_known(const Frame& frame, FrameReport& report) {
     const double variance = known->second.sigma * known->second.sigma;
     const StateBlock block =
         state_.covariance.append({{anchor.block, -J}}, variance * J * J.transpose());
-    TrackRecord record = born(z.track, frame.index, Label::kStatic, true);
+    TrackRecord record = born(z.track, frame.index, Label::kStatic, true, setup_.prior);
     record.observations = 0;
     add(record, born_here.y, block, frame.index);
     ++report.admitted;
@@ -37,27 +37,27 @@ void Ekf::admit_new(const Frame& frame, FrameReport& report) {
   const auto births =
       admit(unmatched_, static_cast<int>(state_.landmarks.size()), report.accepted, models_.policy);
   const bool first_frame = frame.index == first_frame_;
+  const LandmarkPrior& prior = depth_prior_.born();
   for (const Observation& z : births) {
-    const auto here =
-        initialise(setup_.camera, state_.camera.orientation, z.pixel,
-                   state_.scene ? state_.scene->inverse_depth : setup_.prior.inverse_depth);
+    const auto here = initialise(setup_.camera, state_.camera.orientation, z.pixel,
+                                 state_.scene ? state_.scene->inverse_depth : prior.inverse_depth);
     if (!here) continue;
     const NewLandmark at = linearisation_.birth(state_, setup_.camera, z, frame.index, *here);
     const Label label = classifier_->at_birth(z.track, first_frame);
     anchor_here(frame.index);
-    const StateBlock block = append_new(at, label == Label::kStatic ? 3 : 6);
-    add(born(z.track, frame.index, label, first_frame), here->y, block, frame.index);
+    const StateBlock block = append_new(at, prior, label == Label::kStatic ? 3 : 6);
+    add(born(z.track, frame.index, label, first_frame, prior), here->y, block, frame.index);
     ++report.admitted;
   }
 }
 
 // The rows of a landmark's (y) or (y, w) at its birth.
-StateBlock Ekf::append_new(const NewLandmark& at, int dim) {
-  const double w_sigma = landmark_.prior_sigma(setup_.prior);
+StateBlock Ekf::append_new(const NewLandmark& at, const LandmarkPrior& prior, int dim) {
+  const double w_sigma = landmark_.prior_sigma(prior);
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(dim, dim);
   R.topLeftCorner<2, 2>() =
       setup_.pixel_sigma * setup_.pixel_sigma * at.J_angles_pixel * at.J_angles_pixel.transpose();
-  R(2, 2) = setup_.prior.inverse_depth_sigma * setup_.prior.inverse_depth_sigma;
+  R(2, 2) = prior.inverse_depth_sigma * prior.inverse_depth_sigma;
   R.bottomRightCorner(dim - 3, dim - 3).diagonal().setConstant(w_sigma * w_sigma);
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(dim, 3);
   J.topRows<2>() = at.J_angles_rotation;
@@ -94,6 +94,19 @@ void Ekf::note(int frame) {
   for (const int track : out_of_view_) note_rejected(state_.landmarks.at(track).record);
 }
 
+// Before this frame's labels, as the window does, whose marginals are those of its last step.
+void Ekf::learn_depths() {
+  if (!depth_prior_.learns()) return;
+  std::vector<SeenDepth> seen;
+  for (const Match& match : accepted_) {
+    const FilterLandmark& landmark = state_.landmarks.at(match.track);
+    if (landmark.is_free()) continue;
+    const StateBlock rho{landmark.y_block.offset + 2, 1};
+    seen.push_back({landmark.y.z(), std::sqrt(state_.covariance.block(rho, rho)(0, 0))});
+  }
+  depth_prior_.learn(seen);
+}
+
 // Thesis 3.1.3, for every landmark measured in this frame whose label is open.
 void Ekf::classify(int frame) {
   tracks_.clear();
@@ -104,7 +117,7 @@ void Ekf::classify(int frame) {
     belief.track = match.track;
     belief.w = landmark.w;
     belief.covariance = state_.covariance.block(landmark.w_block, landmark.w_block);
-    belief.prior_sigma = landmark_.prior_sigma(setup_.prior);
+    belief.prior_sigma = landmark_.prior_sigma(landmark.record.prior);
     belief.density_scale = landmark_.density_scale(landmark.x());
     note_answer(landmark.record, classifier_->decide(belief), frame);
     if (landmark.record.label == Label::kStatic) tracks_.push_back(match.track);
@@ -143,7 +156,7 @@ void Ekf::take_back() {
     note_innovation(record, gate_.nis[i], models_.labels);
     if (!is_rejected(record, models_.labels)) continue;
     note_freed(record);
-    state_.free_motion(record.track, landmark_.prior_sigma(setup_.prior));
+    state_.free_motion(record.track, landmark_.prior_sigma(record.prior));
   }
 }
 

@@ -40,6 +40,7 @@ struct ModelOptions {
   ClassifierOptions classifier;
   LabelOptions labels;
   TrackPolicy policy;
+  std::string depth_prior = "stated";  // of newborn landmarks: stated | map, see depth_prior.h
 };
 
 }  // namespace slammot

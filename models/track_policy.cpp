@@ -4,7 +4,7 @@
 
 namespace slammot {
 
-TrackRecord born(int track, int frame, Label label, bool first_frame) {
+TrackRecord born(int track, int frame, Label label, bool first_frame, const LandmarkPrior& prior) {
   TrackRecord record;
   record.track = track;
   record.label = label;
@@ -13,6 +13,7 @@ TrackRecord born(int track, int frame, Label label, bool first_frame) {
   record.first_frame = frame;
   record.last_frame = frame;
   record.observations = 1;
+  record.prior = prior;
   if (label != Label::kUnknown) record.decision_frame = frame;
   return record;
 }

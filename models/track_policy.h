@@ -21,10 +21,11 @@ struct TrackRecord {
   int unused_frames = 0;           // frames since the newest accepted measurement
   int rejected_in_row = 0;         // measurements rejected since then
   int missed = 0;                  // frames since then in which it was predicted in view
+  LandmarkPrior prior;             // what was stated of it at its birth
   std::vector<double> static_nis;  // of its latest measurements while static (label_policy.h)
 };
 
-TrackRecord born(int track, int frame, Label label, bool first_frame);
+TrackRecord born(int track, int frame, Label label, bool first_frame, const LandmarkPrior& prior);
 void note_accepted(TrackRecord& record, int frame);
 void note_rejected(TrackRecord& record);
 // After a frame that did not use the landmark: whether it was predicted to be in view.

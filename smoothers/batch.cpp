@@ -85,14 +85,15 @@ void Batch::add_landmark(const LandmarkLife& life) {
   l.life = life;
   l.anchor = positions_[static_cast<std::size_t>(life.birth)];
   l.y = graph_.add_variable(life.states.front().head<3>(), nullptr, owner);
+  // What the window stated of it at its birth, which it may have learnt: the same information.
   if (life.known) {
     const auto known = window_.known_.at(life.record.track);
     graph_.add_factor({l.anchor, l.y}, known_landmark_cost(known));
   } else {
     if (scene_) {
-      graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(setup_.prior));
+      graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(life.record.prior));
     } else {
-      graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior));
+      graph_.add_factor({l.y}, inverse_depth_prior_cost(life.record.prior));
     }
   }
   if (life.is_free()) {
@@ -107,7 +108,7 @@ void Batch::add_landmark(const LandmarkLife& life) {
 }
 
 void Batch::add_chain(BatchLandmark& l) {
-  const double sigma = window_.functions_.prior_sigma(setup_.prior);
+  const double sigma = window_.functions_.prior_sigma(l.life.record.prior);
   graph_.add_factor({*l.w}, motion_prior_cost(sigma));
   l.chain = std::make_shared<Chain>(Chain{&window_.functions_, {}});
   const int steps = l.life.pixels.back().first - l.life.birth;

@@ -33,6 +33,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       functions_(find_landmark(models.landmark)),
       classifier_(
           make_classifier(classifier_for(functions_, models.classifier), setup.true_labels)),
+      depth_prior_(models.depth_prior, setup.prior),
       loss_(make_loss(options.loss)),
       graph_(first_estimates(options.linearisation)) {
   for (const KnownLandmark& known : setup.known) known_[known.track] = known;
@@ -59,6 +60,7 @@ FrameReport Window::process(const Frame& frame, StageListener& stages) {
 
   stages.begin("covariances");
   estimate_camera(optimum.equations, optimum.last_step);
+  learn_depths(accepted, optimum.equations);
 
   stages.begin("classify");
   for (auto& [track, landmark] : landmarks_) ++landmark.record.unused_frames;

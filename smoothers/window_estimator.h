@@ -9,6 +9,7 @@
 #include <set>
 
 #include "slammot/models/classification.h"
+#include "slammot/models/depth_prior.h"
 #include "slammot/smoothers/camera_manifold.h"
 #include "slammot/smoothers/landmark_variables.h"
 #include "slammot/smoothers/marginalise.h"
@@ -58,7 +59,8 @@ std::optional<VariableId> add_scene(Graph& graph, const LandmarkPrior& prior);
 
 class Window : public Estimator {
  public:
-  // Throws std::invalid_argument for an unknown landmark model, classifier, linearisation or loss.
+  // Throws std::invalid_argument for an unknown landmark model, classifier, linearisation, loss or
+  // source of the depth prior.
   Window(const Setup& setup, const ModelOptions& models, const WindowOptions& options);
 
   FrameReport process(const Frame& frame, StageListener& stages) override;
@@ -90,6 +92,7 @@ class Window : public Estimator {
   void admit_known(const Frame& frame, FrameReport& report);
   void admit_new(const Frame& frame, FrameReport& report);
   WindowLandmark& birth(const TrackRecord& record, const Eigen::Vector2d& pixel);
+  void learn_depths(const std::vector<Observation>& accepted, const NormalEquations& equations);
   // Returns the tracks that are static from now on.
   std::vector<int> classify(const std::vector<Observation>& accepted,
                             const NormalEquations& equations, int frame);
@@ -122,6 +125,7 @@ class Window : public Estimator {
   WindowOptions options_;
   const LandmarkFunctions& functions_;
   std::unique_ptr<Classifier> classifier_;
+  DepthPrior depth_prior_;
   std::unique_ptr<ceres::LossFunction> loss_;
   MotionManifold motion_manifold_;
   std::map<int, KnownLandmark> known_;

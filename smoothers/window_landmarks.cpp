@@ -32,7 +32,7 @@ void Window::admit_known(const Frame& frame, FrameReport& report) {
     const auto known = known_.find(z.track);
     if (known == known_.end() || landmarks_.contains(z.track)) continue;
     if (!known_used_.insert(z.track).second) continue;  // what was stated counts once
-    TrackRecord record = born(z.track, frame.index, Label::kStatic, true);
+    TrackRecord record = born(z.track, frame.index, Label::kStatic, true, setup_.prior);
     record.observations = 0;
     WindowLandmark& landmark = birth(record, z.pixel);
     landmark.life.known = true;
@@ -53,17 +53,18 @@ void Window::admit_new(const Frame& frame, FrameReport& report) {
   const auto births =
       admit(candidates, static_cast<int>(landmarks_.size()), report.accepted, models_.policy);
   const bool first_frame = frame.index == first_frame_;
+  const LandmarkPrior& prior = depth_prior_.born();
   for (const Observation& z : births) {
     const auto y = initialise(setup_.camera, state(newest()).orientation, z.pixel,
-                              scene_ ? graph_.value(*scene_)(0) : setup_.prior.inverse_depth);
+                              scene_ ? graph_.value(*scene_)(0) : prior.inverse_depth);
     if (!y) continue;
     const Label label = classifier_->at_birth(z.track, first_frame);
-    WindowLandmark& l = birth(born(z.track, frame.index, label, first_frame), z.pixel);
+    WindowLandmark& l = birth(born(z.track, frame.index, label, first_frame, prior), z.pixel);
     l.y = graph_.add_variable(y->y, nullptr, z.track);
     const WindowPixel first = measured(l, {newest().position, newest().motion, z.pixel, 0});
     newest().knowledge.insert(
-        scene_ ? graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(setup_.prior))
-               : graph_.add_factor({l.y}, inverse_depth_prior_cost(setup_.prior)));
+        scene_ ? graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(prior))
+               : graph_.add_factor({l.y}, inverse_depth_prior_cost(prior)));
     ++report.admitted;
     if (label == Label::kStatic) continue;
     add_motion(l);
@@ -74,8 +75,25 @@ void Window::admit_new(const Frame& frame, FrameReport& report) {
 // w with its prior, and a chain without steps.
 void Window::add_motion(WindowLandmark& l) {
   l.w = graph_.add_variable(Eigen::Vector3d::Zero(), nullptr, l.record.track);
-  l.w_prior = graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigma(setup_.prior)));
+  l.w_prior = graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigma(l.record.prior)));
   l.chain = std::make_shared<Chain>(Chain{&functions_, {}});
+}
+
+// As the EKF: of those that were static before this frame's labels.
+void Window::learn_depths(const std::vector<Observation>& accepted,
+                          const NormalEquations& equations) {
+  if (!depth_prior_.learns()) return;
+  std::vector<SeenDepth> seen;
+  std::vector<LinearForm> forms;
+  for (const Observation& z : accepted) {
+    const WindowLandmark& l = landmarks_.at(z.track);
+    if (l.w) continue;
+    seen.push_back({graph_.value(l.y)(2), 0.0});
+    forms.push_back({{l.y}, Eigen::RowVector3d::UnitZ()});
+  }
+  const std::vector<Eigen::MatrixXd> variances = equations.covariances(forms);
+  for (std::size_t i = 0; i < seen.size(); ++i) seen[i].sigma = std::sqrt(variances[i](0, 0));
+  depth_prior_.learn(seen);
 }
 
 // Thesis 3.1.3, for every landmark measured in this frame whose label is open.
@@ -98,9 +116,9 @@ std::vector<int> Window::classify(const std::vector<Observation>& accepted,
     belief.track = asked[i];
     belief.w = states[i].tail<3>();
     belief.covariance = P_w[i];
-    belief.prior_sigma = functions_.prior_sigma(setup_.prior);
-    belief.density_scale = functions_.density_scale(states[i]);
     TrackRecord& record = landmarks_.at(asked[i]).record;
+    belief.prior_sigma = functions_.prior_sigma(record.prior);
+    belief.density_scale = functions_.density_scale(states[i]);
     note_answer(record, classifier_->decide(belief), frame);
     if (record.label == Label::kStatic) now_static.push_back(asked[i]);
   }

@@ -26,6 +26,7 @@ struct Case {
   std::string landmark, collapse, classifier;
   double mean_sigma = 0.0;
   std::string labels = "one_way";
+  std::string depth_prior = "stated";
 };
 
 class OneFrame : public testing::TestWithParam<Case> {};
@@ -37,6 +38,7 @@ TEST_P(OneFrame, AndOneStepIsTheEkf) {
   ModelOptions models;
   models.labels.name = GetParam().labels;
   setup.prior.mean_sigma = GetParam().mean_sigma;
+  models.depth_prior = GetParam().depth_prior;
   models.landmark = GetParam().landmark;
   models.collapse = GetParam().collapse;
   models.classifier.name = GetParam().classifier;
@@ -99,10 +101,13 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"scaled_velocity", "drop", "bayes_factor", 0.02},
                     Case{"scaled_velocity", "condition", "bayes_factor"},
                     Case{"dynamic_inverse_depth", "drop", "thesis", 0.0, "reversible"},
-                    Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible"}),
+                    Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible"},
+                    Case{"dynamic_inverse_depth", "drop", "thesis", 0.0, "one_way", "map"},
+                    Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible", "map"},
+                    Case{"scaled_velocity", "drop", "thesis", 0.02, "one_way", "map"}),
     [](const auto& tested) {
       return tested.param.landmark + "_" + tested.param.collapse + "_" + tested.param.classifier +
-             "_" + tested.param.labels;
+             "_" + tested.param.labels + "_" + tested.param.depth_prior;
     });
 
 TEST(ManySteps, MakeItTheIteratedEkf) {
@@ -135,11 +140,15 @@ TEST(ManySteps, MakeItTheIteratedEkf) {
   EXPECT_LT(worst, 1e-4);
 }
 
-TEST(WholeSequence, WindowIsTheBatch) {
+class WholeSequence : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(DepthPrior, WholeSequence, testing::Values("stated", "map"));
+
+TEST_P(WholeSequence, WindowIsTheBatch) {
   const Sequence sequence = simulate("circle", {{"frames", "20"}}, 2);
   const slammot::Setup setup = make_setup(sequence, Configuration{});
   ModelOptions models;
   models.classifier.name = "truth";
+  models.depth_prior = GetParam();
   WindowOptions whole;
   whole.frames = 1000;
   whole.iterations = 40;

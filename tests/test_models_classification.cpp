@@ -87,12 +87,12 @@ TEST(Truth, IsKnownFromBirthAndOtherwiseUnknown) {
 
 TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
   const TrackPolicy policy;
-  TrackRecord moving = born(1, 0, Label::kUnknown, false);
+  TrackRecord moving = born(1, 0, Label::kUnknown, false, {});
   moving.unused_frames = policy.lost_after;
   EXPECT_FALSE(is_lost(moving, policy));
   ++moving.unused_frames;
   EXPECT_TRUE(is_lost(moving, policy));
-  TrackRecord fixed = born(2, 0, Label::kStatic, false);
+  TrackRecord fixed = born(2, 0, Label::kStatic, false, {});
   fixed.unused_frames = 10000;
   EXPECT_FALSE(is_lost(fixed, policy));  // it stays in the map
   TrackPolicy window = policy;
