@@ -20,6 +20,7 @@ void circle(benchmark::State& state, const std::string& estimator) {
     for (const auto& [stage, ms] : times.stages) state.counters[stage] = times.mean(stage);
     state.counters["frames_per_second"] = 1e3 / total;
     state.counters["classification_share"] = times.mean("classify") / total;
+    state.counters["collapse_share"] = times.mean("collapse") / total;
   }
 }
 BENCHMARK_CAPTURE(circle, ekf, "ekf")

@@ -1,6 +1,6 @@
 // The covariance P of the joint state, n x n, with room to grow. Only its upper triangle is stored:
-// the newest landmarks, which are measured, stand last, and above the diagonal their columns are
-// contiguous.
+// the newest landmarks, which are measured, mostly stand last, and above the diagonal their columns
+// are contiguous.
 //
 // Blocks are appended at births. After a death the last block of the same size takes the place of
 // the one that went, so that nothing else is copied.

@@ -50,6 +50,7 @@ LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, const std::vector<
   for (const double x : rho) squares += (x - mean) * (x - mean);
   // Beside a shared mean, rho0 is no claim about this scene's, and being surprised by it no spread.
   const double guess = stated.mean_sigma > 0.0 ? 0.0 : kStatement;
+  const double degrees = kStatement + n - (guess > 0.0 ? 0.0 : 1.0);  // the sample's mean takes one
   const double surprise = mean - stated.inverse_depth;
   const double blended = squares +
                          kStatement * stated.inverse_depth_sigma * stated.inverse_depth_sigma +
@@ -58,8 +59,8 @@ LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, const std::vector<
   learnt.mean_sigma = 0.0;  // for the motion's prior: rho0 is not in doubt any more
   learnt.inverse_depth = (guess * stated.inverse_depth + n * mean) / (guess + n);
   // A statement that is too narrow must not make it narrower than the sample alone would.
-  learnt.inverse_depth_sigma = std::sqrt(std::max(
-      student_variance(blended, kStatement + n, guess + n), student_variance(squares, n - 1.0, n)));
+  learnt.inverse_depth_sigma = std::sqrt(std::max(student_variance(blended, degrees, guess + n),
+                                                  student_variance(squares, n - 1.0, n)));
   return learnt;
 }
 

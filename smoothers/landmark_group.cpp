@@ -91,9 +91,7 @@ void LandmarkGroup::add_row_of_states(const Factor& factor, Places places) {
   }
 }
 
-void LandmarkGroup::eliminate_noises(double damping) {
-  D_ = Eigen::VectorXd::Ones(noise_dim_);
-  if (damping > 0.0) D_ += damping * (D_ + N_.colwise().squaredNorm().transpose());
+void LandmarkGroup::eliminate_noises() {
   Eigen::MatrixXd M = Eigen::MatrixXd::Identity(rows_, rows_);
   const Eigen::MatrixXd N_D = N_ * D_.cwiseInverse().asDiagonal();
   M.noalias() += N_D * N_.transpose();
@@ -115,9 +113,11 @@ void LandmarkGroup::eliminate_noises(double damping) {
 void LandmarkGroup::eliminate(double damping) {
   const Eigen::Index n = W_.cols();
   Eigen::VectorXd squares = V_.diagonal();
+  D_ = Eigen::VectorXd::Ones(noise_dim_);
+  if (damping > 0.0) D_ += damping * (D_ + N_.colwise().squaredNorm().transpose());
   if (rows_ > 0) {
     squares += X_.leftCols(dim_).colwise().squaredNorm();
-    eliminate_noises(damping);
+    eliminate_noises();
   }
   V_.diagonal() += damping * squares;
   if (dim_ > 0) llt_.compute(V_);
@@ -148,8 +148,8 @@ LandmarkGroup::Part LandmarkGroup::step(const Eigen::VectorXd& core) const {
     Eigen::VectorXd rows = Jr_ + JX_.rightCols(tied.size()) * tied;
     if (dim_ > 0) rows += JX_.leftCols(dim_) * part.states;
     part.noises -= N_.transpose() * M_.matrixU().solve(rows);
-    part.noises.array() /= D_.array();
   }
+  part.noises.array() /= D_.array();
   return part;
 }
 
@@ -166,7 +166,7 @@ Eigen::MatrixXd LandmarkGroup::covariance(const Eigen::MatrixXd& E_states,
     if (dim_ > 0) E -= JX_.leftCols(dim_).transpose() * Y;
     core -= JX_.rightCols(core.rows()).transpose() * Y;
   } else if (noise_dim_ > 0) {
-    P += E_noises.transpose() * E_noises;
+    P += E_noises.transpose() * D_.cwiseInverse().asDiagonal() * E_noises;
   }
   if (dim_ == 0) return P;
   const Eigen::MatrixXd X = llt_.solve(E);

@@ -70,10 +70,10 @@ class LandmarkGroup {
   void add_prior_of_noise(const Factor& factor, const Place& place);
   void add_row_with_noise(const Factor& factor, Places places);
   void add_row_of_states(const Factor& factor, Places places);
-  void eliminate_noises(double damping);
+  void eliminate_noises();
 
   Eigen::Index dim_ = 0, noise_dim_ = 0, rows_ = 0, row_ = 0;
-  std::map<int, int> ties_;  // offset in the core: first column here
+  std::map<int, int> ties_;  // offset in the core: dim, and from begin() on the first column here
   std::vector<int> columns_;
 
   Eigen::MatrixXd N_, X_;      // the rows with noise; X = (X_states X_core)

@@ -1,6 +1,7 @@
 #include "slammot/smoothers/normal_equations.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <unordered_map>
 
 #include "slammot/models/estimator.h"
@@ -20,24 +21,25 @@ NormalEquations::NormalEquations(const Graph& graph, double damping) {
 
 namespace {
 
+// Of a landmark's private variable: it may be eliminated as a noise.
 bool is_unit_prior(const Factor& factor) {
-  return factor.variables.size() == 1 && factor.J.rows() == factor.J.cols() &&
-         factor.J.isIdentity(0.0);
+  return factor.variables.size() == 1 && factor.at.front()->owner >= 0 &&
+         factor.J.rows() == factor.J.cols() && factor.J.isIdentity(0.0);
 }
 
 }  // namespace
 
 void NormalEquations::place_variables(const Graph& graph) {
   for (const auto& [id, v] : graph.variables()) places_.emplace_back(id, Place{});
-  const auto place_of = [&](VariableId id) -> Place& { return const_cast<Place&>(place(id)); };
+  const auto place_of = [&](VariableId id) -> Place& { return places_[index(id)].second; };
   const auto to_core = [&](VariableId id, int dim) {
     place_of(id) = {Place::Part::kCore, -1, core_dim_, dim};
     core_dim_ += dim;
   };
-  for (const VariableId id : graph.prior().variables) to_core(id, graph.variables().at(id).dim());
   for (const auto& [id, factor] : graph.factors()) {
     if (is_unit_prior(factor)) place_of(factor.variables.front()).part = Place::Part::kNoises;
   }
+  for (const VariableId id : graph.prior().variables) to_core(id, graph.variables().at(id).dim());
   std::unordered_map<int, int> group_of_owner;
   auto next = places_.begin();
   for (const auto& [id, v] : graph.variables()) {
@@ -56,10 +58,14 @@ void NormalEquations::place_variables(const Graph& graph) {
   g_.setZero(core_dim_);
 }
 
-const Place& NormalEquations::place(VariableId id) const {
-  return std::lower_bound(places_.begin(), places_.end(), id,
-                          [](const auto& p, VariableId wanted) { return p.first < wanted; })
-      ->second;
+std::size_t NormalEquations::index(VariableId id) const {
+  const auto found =
+      std::lower_bound(places_.begin(), places_.end(), id,
+                       [](const auto& p, VariableId wanted) { return p.first < wanted; });
+  if (found == places_.end() || found->first != id) {
+    throw std::logic_error("a variable that is not in the graph has no place in its equations");
+  }
+  return static_cast<std::size_t>(found - places_.begin());
 }
 
 // With T = d(x [-] x0)/dx: H += T' R'R T, g += T' (R'R d + R'r).

@@ -47,7 +47,8 @@ class NormalEquations {
   void add_factors(const Graph& graph);
   void add_to_core(const Factor& factor, Places places);
   void eliminate_groups(double damping);
-  const Place& place(VariableId id) const;
+  std::size_t index(VariableId id) const;  // in places_
+  const Place& place(VariableId id) const { return places_[index(id)].second; }
   // A vector over all variables, from its parts.
   Eigen::VectorXd part(const Place& at, const Eigen::VectorXd& core,
                        const std::vector<LandmarkGroup::Part>& groups) const;
