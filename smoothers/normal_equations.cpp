@@ -181,6 +181,7 @@ double NormalEquations::slope(const Step& step) const {
 // adds and C' S^-1 C.
 std::vector<Eigen::MatrixXd> NormalEquations::covariances(
     const std::vector<LinearForm>& forms) const {
+  if (forms.empty()) return {};
   Eigen::Index total = 0;
   for (const LinearForm& form : forms) total += form.J.rows();
   Eigen::MatrixXd C = Eigen::MatrixXd::Zero(core_dim_, total);
