@@ -23,14 +23,8 @@ void circle(benchmark::State& state, const std::string& estimator) {
     state.counters["collapse_share"] = times.mean("collapse") / total;
   }
 }
-BENCHMARK_CAPTURE(circle, ekf, "ekf")
-    ->Iterations(1)
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(circle, window, "window")
-    ->Iterations(1)
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(circle, ekf, "ekf")->Apply(one_pass);
+BENCHMARK_CAPTURE(circle, window, "window")->Apply(one_pass);
 
 }  // namespace
 }  // namespace slammot::bench

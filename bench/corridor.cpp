@@ -62,7 +62,7 @@ Setup corridor_setup(double speed) {
 Corridor make_corridor(const CorridorOptions& options) {
   RandomStream world(1, "points"), pixels(1, "pixels");
   const std::vector<Point> all = points(options, world);
-  Corridor corridor{corridor_setup(options.speed), {}};
+  Corridor corridor{corridor_setup(options.speed), {}, {}};
   const Camera& camera = corridor.setup.camera;
   for (int k = 0; k < options.frames; ++k) {
     const double t = k * kPeriod;
@@ -79,6 +79,7 @@ Corridor make_corridor(const CorridorOptions& options) {
       }
     }
     corridor.frames.push_back(std::move(frame));
+    corridor.truth.push_back(at);
   }
   corridor.setup.known.resize(std::min<std::size_t>(corridor.setup.known.size(), 4));
   return corridor;

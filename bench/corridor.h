@@ -11,6 +11,7 @@ namespace slammot::bench {
 struct Corridor {
   Setup setup;
   std::vector<Frame> frames;
+  std::vector<CameraState> truth;  // as `frames`
 };
 
 struct CorridorOptions {

@@ -1,6 +1,8 @@
 // The stages of an estimator's frames, timed.
 #pragma once
 
+#include <benchmark/benchmark.h>
+
 #include <map>
 #include <string>
 #include <vector>
@@ -16,6 +18,7 @@ namespace slammot::bench {
 struct FrameTimes {
   std::map<std::string, std::vector<double>> stages;
   std::vector<FrameReport> reports;
+  std::vector<Eigen::Vector3d> positions;  // of the camera, as estimated after each frame
 
   double median(const std::string& stage) const { return bench::median(stages.at(stage)); }
   double mean(const std::string& stage) const {
@@ -30,6 +33,7 @@ inline void time_frame(Estimator& estimator, const Frame& frame, FrameTimes& tim
   StageClock clock;
   times.reports.push_back(estimator.process(frame, clock));
   for (const auto& [stage, ms] : clock.finish()) times.stages[stage].push_back(ms);
+  times.positions.push_back(estimator.camera().state.position);
 }
 
 // Frames from number `first` on; those before only warm up.
@@ -42,6 +46,11 @@ inline FrameTimes time_frames(const Setup& setup, const std::vector<Frame>& fram
     time_frame(*made, frames[i], i < first ? warm : times);
   }
   return times;
+}
+
+// How the benchmarks here are run: they time frames themselves, in one pass.
+inline void one_pass(benchmark::internal::Benchmark* benchmark) {
+  benchmark->Iterations(1)->UseManualTime()->Unit(benchmark::kMillisecond);
 }
 
 }  // namespace slammot::bench

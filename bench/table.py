@@ -77,6 +77,9 @@ def rows(bench, speed_up, megabytes):
     for visible, peer in PEER.items():
         yield (f"static window, {visible} in view: GTSAM's {peer} ms / ours",
                peer / bench[f"static_window/{visible}"]["total"], ">=", 3)
+        b = bench[f"static_window/{visible}"]
+        yield (f"static window, {visible} in view: RMSE / converged",
+               b["rmse"] / b["rmse_converged"], "<=", 1.05)
     yield "circle, EKF: frames a second", ekf["frames_per_second"], ">=", 300
     yield "circle, window 10: frames a second", window["frames_per_second"], ">=", 60
     for estimator in ("ekf", "ekf_deferred", "window"):
