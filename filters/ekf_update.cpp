@@ -81,7 +81,7 @@ void solve(Innovation& z) {
   if (info != 0) throw Diverged("the innovation covariance is not positive definite");
   auto W = *z.P_Ht;
   S.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(W);
-  Eigen::Map<Eigen::VectorXd> nu(z.nu.data()->data(), z.rows());
+  auto nu = z.stacked_nu();
   S.triangularView<Eigen::Lower>().solveInPlace(nu);
   z.dx.resize(W.rows(), 1);
   (*z.dx).noalias() = W * nu;

@@ -26,7 +26,7 @@ struct Innovation {
   std::vector<int> out_of_view;  // tracks measured whose landmark is not expected in view
 
   Eigen::Index rows() const { return 2 * std::ssize(matches); }
-  Eigen::Map<const Eigen::VectorXd> stacked_nu() const { return {nu.data()->data(), rows()}; }
+  Eigen::Map<Eigen::VectorXd> stacked_nu() { return {nu.data()->data(), rows()}; }
 
   GrowingMatrix columns, J_pose, S, dx;  // working memory
 };

@@ -5,6 +5,7 @@
 // its own, and without a test under a sanitizer, which has its own malloc.
 #include <gtest/gtest.h>
 
+#include "slammot/eval/process.h"
 #include "slammot/filters/ekf.h"
 #include "slammot/models/observation.h"
 
@@ -16,7 +17,6 @@ thread_local long allocations = 0;
 
 }  // namespace
 
-extern "C" void openblas_set_num_threads(int);
 extern "C" void* __libc_malloc(std::size_t size);
 extern "C" void* malloc(std::size_t size) {
   ++allocations;
@@ -60,7 +60,7 @@ Frame wall_frame(const Setup& setup, int index) {
 }
 
 TEST(Ekf, AllocatesNothingOnceItHasWarmedUp) {
-  openblas_set_num_threads(1);  // its threads have buffers of their own
+  prepare_process();  // more BLAS threads would have buffers of their own
   const auto setup = wall_setup();
   for (const char* labels : {"one_way", "reversible"}) {
     ModelOptions models;
