@@ -18,10 +18,6 @@
 
 namespace {
 
-struct NoStages final : slammot::StageListener {
-  void begin(std::string_view) override {}
-};
-
 // Resident set [MB], from /proc.
 double resident_memory() {
   std::ifstream status("/proc/self/statm");
@@ -47,7 +43,7 @@ int main(int argc, char** argv) {
   const slammot::EstimatorRow& row = slammot::find_estimator(name);
   row.adjust(configuration);
   const auto estimator = row.make(slammot::make_setup(lap, configuration), configuration);
-  NoStages stages;
+  slammot::NoStages stages;
   const double dt = lap.frames[1].timestamp - lap.frames[0].timestamp;
   double memory[10] = {}, time[10] = {};
   for (int i = 0; i < frames; ++i) {

@@ -82,6 +82,12 @@ class StageListener {
   virtual void begin(std::string_view stage) = 0;
 };
 
+// For who does not time.
+class NoStages final : public StageListener {
+ public:
+  void begin(std::string_view) override {}
+};
+
 class Estimator {
  public:
   virtual ~Estimator() = default;

@@ -26,10 +26,6 @@ extern "C" void* malloc(std::size_t size) {
 namespace slammot {
 namespace {
 
-struct NoStages final : StageListener {
-  void begin(std::string_view) override {}
-};
-
 Setup wall_setup() {
   Setup setup;
   setup.camera.fx = setup.camera.fy = 400.0;

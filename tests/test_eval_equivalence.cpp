@@ -11,10 +11,6 @@
 namespace slammot {
 namespace {
 
-struct NoStages final : StageListener {
-  void begin(std::string_view) override {}
-};
-
 // The largest entry of A - B in units of the standard deviations of B.
 double relative_difference(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
   EXPECT_TRUE(A.allFinite() && B.allFinite());

@@ -9,10 +9,6 @@
 namespace slammot {
 namespace {
 
-struct NoStages final : StageListener {
-  void begin(std::string_view) override {}
-};
-
 std::unique_ptr<Estimator> make(const std::string& name, const Sequence& sequence) {
   const EstimatorRow& row = find_estimator(name);
   Configuration configuration;

@@ -13,10 +13,6 @@ namespace {
 
 constexpr double kSame = 1e-9;
 
-struct NoStages final : StageListener {
-  void begin(std::string_view) override {}
-};
-
 // The largest entry of A - B in units of the standard deviations of B.
 double difference(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
   EXPECT_TRUE(A.allFinite() && B.allFinite());
