@@ -155,8 +155,10 @@ std::vector<ConfigurationKey> statement_keys() {
              SLAMMOT_FIELD(prior.inverse_depth)),
       number("prior.inverse_depth_sigma", "its standard deviation [1/m]", kPositive,
              SLAMMOT_FIELD(prior.inverse_depth_sigma)),
-      number("prior.mean_sigma", "of rho0 itself, which is then learnt [1/m]; 0: rho0 is known",
-             kNotNegative, SLAMMOT_FIELD(prior.mean_sigma)),
+      number(
+          "prior.mean_sigma",
+          "of rho0 itself, which is then learnt [1/m]; 0: rho0 is known; half of rho0 with the map",
+          kNotNegative, SLAMMOT_FIELD(prior.mean_sigma)),
       number("prior.max_speed", "|v|max of landmarks; sigma_v is half of it [m/s]", kPositive,
              SLAMMOT_FIELD(prior.max_speed)),
       number("prior.acceleration", "noise of unknown and moving landmarks [m/s^2]", kNotNegative,

@@ -21,11 +21,15 @@ std::unique_ptr<Estimator> batch(const Setup& setup, const Configuration& c) {
 
 void as_stated(Configuration&) {}
 void all_static(Configuration& c) { c.model.classifier.name = "all_static"; }
-void true_labels(Configuration& c) { c.model.classifier.name = "truth"; }
+// What the truth says is not taken back.
+void true_labels(Configuration& c) {
+  c.model.classifier.name = "truth";
+  c.model.labels.name = "one_way";
+}
 // Covariances at the truth, with labels given and every measurement used: a probability of 1 opens
 // the gate, so that nothing of P depends on the estimates.
 void bound(Configuration& c) {
-  c.model.classifier.name = "truth";
+  true_labels(c);
   c.model.gate_probability = 1.0;
   c.ekf.linearisation = "ideal";
   c.model.depth_prior = "stated";

@@ -30,10 +30,15 @@ MotionNoise motion_noise(const Sequence& sequence, const MotionConfiguration& ov
   return noise;
 }
 
-LandmarkPrior landmark_prior(const Sequence& sequence, const PriorConfiguration& overrides) {
+// A mean that is learnt, and of which nothing is said, is known to half of itself.
+LandmarkPrior landmark_prior(const Sequence& sequence, const Configuration& configuration) {
+  const PriorConfiguration& overrides = configuration.prior;
   LandmarkPrior prior = sequence.prior.value_or(LandmarkPrior{});
   prior.inverse_depth = overrides.inverse_depth.value_or(prior.inverse_depth);
   prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
+  if (configuration.model.depth_prior == "map" && prior.mean_sigma == 0.0) {
+    prior.mean_sigma = 0.5 * prior.inverse_depth;
+  }
   prior.mean_sigma = overrides.mean_sigma.value_or(prior.mean_sigma);
   prior.max_speed = overrides.max_speed.value_or(prior.max_speed);
   prior.acceleration = overrides.acceleration.value_or(prior.acceleration);
@@ -58,7 +63,7 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
   setup.camera = sequence.camera;
   setup.pixel_sigma = configuration.pixel_sigma.value_or(sequence.pixel_sigma);
   setup.camera_noise = motion_noise(sequence, configuration.motion);
-  setup.prior = landmark_prior(sequence, configuration.prior);
+  setup.prior = landmark_prior(sequence, configuration);
   setup.initial = initial_camera(sequence, configuration.initial);
   setup.known = sequence.known;
   for (const auto& [track, landmark] : sequence.landmarks) {

@@ -60,6 +60,7 @@ class Ekf final : public Estimator {
   const LandmarkFunctions& landmark_;
   std::unique_ptr<Classifier> classifier_;
   DepthPrior depth_prior_;
+  std::vector<SeenDepth> seen_;  // learn_depths()
   std::map<int, KnownLandmark> known_;
   std::set<int> known_used_;
   JointState state_;

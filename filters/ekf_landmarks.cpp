@@ -97,14 +97,14 @@ void Ekf::note(int frame) {
 // Before this frame's labels, as the window does, whose marginals are those of its last step.
 void Ekf::learn_depths() {
   if (!depth_prior_.learns()) return;
-  std::vector<SeenDepth> seen;
+  seen_.clear();
   for (const Match& match : accepted_) {
     const FilterLandmark& landmark = state_.landmarks.at(match.track);
     if (landmark.is_free()) continue;
     const StateBlock rho{landmark.y_block.offset + 2, 1};
-    seen.push_back({landmark.y.z(), std::sqrt(state_.covariance.block(rho, rho)(0, 0))});
+    seen_.push_back({landmark.y.z(), std::sqrt(state_.covariance.block(rho, rho)(0, 0))});
   }
-  depth_prior_.learn(seen);
+  depth_prior_.learn(seen_);
 }
 
 // Thesis 3.1.3, for every landmark measured in this frame whose label is open.

@@ -18,19 +18,22 @@ bool source_learns(const std::string& source) {
   throw std::invalid_argument("unknown source '" + source + "' of the depth prior");
 }
 
-// A wrong landmark can seem to stand just before the camera. It counts as one that is near, no
-// nearer; the births have a long tail there, so it is not left out.
-std::vector<double> sample(const std::vector<SeenDepth>& seen) {
-  std::vector<double> rho;
-  for (const SeenDepth& s : seen) {
-    if (s.sigma < kEstablished * s.inverse_depth) rho.push_back(s.inverse_depth);
-  }
-  if (rho.empty()) return rho;
-  std::vector<double> sorted = rho;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  for (double& x : rho) x = std::min(x, kNearest * *middle);
-  return rho;
+// The established, in place. A wrong landmark can seem to stand just before the camera. It counts
+// as one that is near, no nearer; the births have a long tail there, so it is not left out.
+std::span<SeenDepth> sample(std::span<SeenDepth> seen) {
+  const auto end = std::partition(seen.begin(), seen.end(), [](const SeenDepth& s) {
+    return s.sigma < kEstablished * s.inverse_depth;
+  });
+  const auto established = seen.first(static_cast<std::size_t>(end - seen.begin()));
+  if (established.empty()) return established;
+  const auto middle = established.begin() + std::ssize(established) / 2;
+  const auto farther = [](const SeenDepth& a, const SeenDepth& b) {
+    return a.inverse_depth < b.inverse_depth;
+  };
+  std::nth_element(established.begin(), middle, established.end(), farther);
+  const double nearest = kNearest * middle->inverse_depth;
+  for (SeenDepth& s : established) s.inverse_depth = std::min(s.inverse_depth, nearest);
+  return established;
 }
 
 // Of the next landmark, when the mean is that of `count`, and the sum of squares about it has so
@@ -41,13 +44,15 @@ double student_variance(double squares, double degrees, double count) {
 
 }  // namespace
 
-LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, const std::vector<SeenDepth>& seen) {
-  const std::vector<double> rho = sample(seen);
-  if (rho.size() < kLeast) return stated;
-  const auto n = static_cast<double>(rho.size());
+LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, std::span<SeenDepth> seen) {
+  const std::span<const SeenDepth> established = sample(seen);
+  if (established.size() < kLeast) return stated;
+  const auto n = static_cast<double>(established.size());
   double mean = 0.0, squares = 0.0;
-  for (const double x : rho) mean += x / n;
-  for (const double x : rho) squares += (x - mean) * (x - mean);
+  for (const SeenDepth& s : established) mean += s.inverse_depth / n;
+  for (const SeenDepth& s : established) {
+    squares += (s.inverse_depth - mean) * (s.inverse_depth - mean);
+  }
   // Beside a shared mean, rho0 is no claim about this scene's, and being surprised by it no spread.
   const double guess = stated.mean_sigma > 0.0 ? 0.0 : kStatement;
   const double degrees = kStatement + n - (guess > 0.0 ? 0.0 : 1.0);  // the sample's mean takes one

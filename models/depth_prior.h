@@ -18,8 +18,8 @@
 // a birth is that state, and only its spread and the motion's prior are learnt here.
 #pragma once
 
+#include <span>
 #include <string>
-#include <vector>
 
 #include "slammot/models/measurement.h"
 
@@ -34,8 +34,9 @@ struct SeenDepth {
 // `stated` with the mean and sigma of the inverse depth learnt. Conjugate (normal, inverse
 // chi-square), the statement counting as one landmark; the result is the Gaussian with the moments
 // of the predictive Student distribution, which is wider the smaller the sample. The statement
-// itself with fewer than three established landmarks.
-LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, const std::vector<SeenDepth>& seen);
+// itself with fewer than three established landmarks. `seen` is reordered, and what is much nearer
+// than the rest moved back.
+LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, std::span<SeenDepth> seen);
 
 class DepthPrior {
  public:
@@ -43,7 +44,7 @@ class DepthPrior {
   DepthPrior(const std::string& source, const LandmarkPrior& stated);
 
   bool learns() const { return learns_; }
-  void learn(const std::vector<SeenDepth>& seen) { born_ = learnt_depth_prior(stated_, seen); }
+  void learn(std::span<SeenDepth> seen) { born_ = learnt_depth_prior(stated_, seen); }
 
   // What is stated of a landmark born now.
   const LandmarkPrior& born() const { return born_; }

@@ -27,20 +27,20 @@ struct ClassifierOptions {
 
 // Whether labels may be taken back; see label_policy.h.
 struct LabelOptions {
-  std::string name = "one_way";  // one_way (thesis) | reversible
-  int window = 10;               // reversible: innovations that testify against a static label
-  double probability = 1e-4;     // reversible: of a right label being rejected in a frame
+  std::string name = "reversible";  // one_way (thesis) | reversible
+  int window = 10;                  // reversible: innovations that testify against a static label
+  double probability = 1e-4;        // reversible: of a right label being rejected in a frame
 };
 
 struct ModelOptions {
   std::string landmark = "scaled_velocity";  // a row of the estimators' landmark tables
   std::string collapse =
-      "drop";  // on static: `drop` marginalises v (thesis), `condition` uses v = 0
+      "condition";  // on static: `drop` marginalises v (thesis), `condition` uses v = 0
   double gate_probability = 0.95;  // of a correct measurement passing the chi-square gate
   ClassifierOptions classifier;
   LabelOptions labels;
   TrackPolicy policy;
-  std::string depth_prior = "stated";  // of newborn landmarks: stated | map, see depth_prior.h
+  std::string depth_prior = "map";  // of newborn landmarks: stated | map, see depth_prior.h
 };
 
 }  // namespace slammot

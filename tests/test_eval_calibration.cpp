@@ -65,6 +65,8 @@ RunResult run_ideal(const Sequence& sequence, const Misstatement& misstate, doub
   Configuration configuration;
   configuration.model.landmark = "dynamic_inverse_depth";
   configuration.model.classifier.name = "truth";
+  configuration.model.labels.name = "one_way";
+  configuration.model.depth_prior = "stated";
   configuration.model.gate_probability = 1.0;  // rejects nothing, and so selects nothing
   configuration.ekf.linearisation = "ideal";
   Setup setup = make_setup(sequence, configuration);

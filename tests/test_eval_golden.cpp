@@ -1,7 +1,7 @@
 // The figures from before the work on speed: whatever is made faster, they stay.
 //
-// tests/golden/ was printed by the program of commit c6c1f48, with the defaults of its time (the
-// one that has changed, window.negligible, is set back). Other processors round otherwise, which
+// tests/golden/ was printed by the program of commit c6c1f48, with the defaults of its time, to
+// which those that have changed are set back. Other processors round otherwise, which
 // 200 frames carry to about 1e-11; a changed result is 1e-9 away.
 #include <gtest/gtest.h>
 
@@ -63,6 +63,10 @@ TEST_P(Golden, FiguresFromBeforeTheWorkOnSpeedStay) {
   ASSERT_FALSE(golden.empty());
   Configuration configuration;
   configuration.model.landmark = landmark;
+  configuration.model.labels.name = "one_way";
+  configuration.model.collapse = "drop";
+  configuration.model.depth_prior = "stated";
+  configuration.window.iterations = 5;
   configuration.window.negligible = 1e-4;
   const Sequence sequence = select_frames(simulate("circle", {}, 1), 0, golden.back().frame, 1);
   const RunResult run = run_estimator(sequence, configuration, estimator);

@@ -30,6 +30,7 @@ double dependence_on_noise(const std::string& linearisation) {
   assign(configuration, {"landmark", "dynamic_inverse_depth"});
   assign(configuration, {"ekf.linearisation", linearisation});
   assign(configuration, {"gate.probability", "0.999999999999"});
+  assign(configuration, {"prior.source", "stated"});  // what is learnt is of the measurements
   const auto last = [&](unsigned seed) {
     const RunResult run = run_estimator(renoised(sequence, seed), configuration, "true_labels");
     EXPECT_FALSE(run.diverged);

@@ -28,7 +28,7 @@ std::vector<SeenDepth> scene(int n, std::mt19937_64& engine) {
 
 TEST(DepthPrior, AWrongGuessNoLongerDecides) {
   std::mt19937_64 engine(1);
-  const auto seen = scene(30, engine);
+  auto seen = scene(30, engine);
   for (const double guess : {kMean / 3.16, kMean, kMean * 3.16}) {
     const LandmarkPrior learnt = learnt_depth_prior(statement(guess, kSpread), seen);
     EXPECT_NEAR(learnt.inverse_depth, kMean, 0.01) << guess;
@@ -50,8 +50,8 @@ TEST(DepthPrior, IsAsWideAsItsSampleSupports) {
       constexpr int kScenes = 4000;
       double squares = 0.0;
       for (int i = 0; i < kScenes; ++i) {
-        const LandmarkPrior learnt =
-            learnt_depth_prior(statement(kMean, stated * kSpread), scene(n, engine));
+        auto seen = scene(n, engine);
+        const LandmarkPrior learnt = learnt_depth_prior(statement(kMean, stated * kSpread), seen);
         const double z = (next(engine) - learnt.inverse_depth) / learnt.inverse_depth_sigma;
         squares += z * z / kScenes;
       }
@@ -66,7 +66,7 @@ TEST(DepthPrior, IsAsWideAsItsSampleSupports) {
 TEST(DepthPrior, WhoCounts) {
   std::mt19937_64 engine(3);
   const LandmarkPrior stated = statement(0.2, 0.1);
-  const auto few = scene(2, engine);
+  auto few = scene(2, engine);
   EXPECT_EQ(learnt_depth_prior(stated, few).inverse_depth, 0.2);
   EXPECT_EQ(learnt_depth_prior(stated, few).inverse_depth_sigma, 0.1);
   auto guesses = few;
@@ -82,7 +82,7 @@ TEST(DepthPrior, WhoCounts) {
 
 TEST(DepthPrior, BesideASharedMeanAWrongGuessIsNoSpread) {
   std::mt19937_64 engine(4);
-  const auto seen = scene(10, engine);
+  auto seen = scene(10, engine);
   LandmarkPrior shared = statement(3.0 * kMean, kSpread);
   const LandmarkPrior alone = learnt_depth_prior(shared, seen);
   shared.mean_sigma = 0.1;

@@ -8,11 +8,12 @@
 namespace slammot {
 namespace {
 
-LabelOptions reversible() {
+LabelOptions named(const char* name) {
   LabelOptions options;
-  options.name = "reversible";
+  options.name = name;
   return options;
 }
+LabelOptions reversible() { return named("reversible"); }
 
 TEST(ChiSquareTail, IsThatOfTheTables) {
   EXPECT_NEAR(chi_square_tail(5.991464547107979, 1), 0.05, 1e-12);   // 2 degrees of freedom
@@ -44,7 +45,7 @@ TEST(Reversible, RightLabelsStayAndWrongOnesGo) {
   EXPECT_LE(taken_back(1.0, 10000, 20, reversible()), 10000 * 20 * 1e-4);
   EXPECT_GE(taken_back(1.0, 10000, 20, reversible()), 1);
   EXPECT_GE(taken_back(5.0, 1000, 10, reversible()), 950);
-  EXPECT_EQ(taken_back(100.0, 1000, 20, LabelOptions{}), 0);  // one_way
+  EXPECT_EQ(taken_back(100.0, 1000, 20, named("one_way")), 0);
 }
 
 TEST(Reversible, OnlyTheLatestInnovationsCount) {
@@ -61,7 +62,7 @@ TEST(Reversible, OnlyTheLatestInnovationsCount) {
 
 TEST(Reversible, AMovingLandmarkMayStop) {
   TrackRecord record = born(1, 0, Label::kMoving, false, {});
-  EXPECT_FALSE(is_asked(record, LabelOptions{}));
+  EXPECT_FALSE(is_asked(record, named("one_way")));
   EXPECT_TRUE(is_asked(record, reversible()));
   note_answer(record, Label::kUnknown, 3);
   EXPECT_EQ(record.label, Label::kMoving);

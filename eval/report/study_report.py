@@ -6,6 +6,7 @@ Silent on success; exit 2 and one line on stderr for bad input, a missing packag
 import base64
 import sys
 
+import ranking
 import study_figures
 import study_tables
 from comparison import read_json
@@ -14,9 +15,16 @@ from page import rendered, run_report
 FORMAT = "slammot-summary-1"
 
 
-def write_tables(summary, folder):
+def tables_of(summary):
+    tables = {"ranking": ranking.table(summary), "summary": study_tables.summary_table(summary),
+              "consistency": study_tables.consistency_table(summary), "classification": study_tables.classification_table(summary),
+              "pairs": study_tables.pairs_table(summary), "coverage": study_tables.coverage_table(summary)}
+    return {name: table for name, table in tables.items() if table.rows}
+
+
+def write_tables(tables, folder):
     folder.mkdir(parents=True, exist_ok=True)
-    for name, table in study_tables.all_tables(summary).items():
+    for name, table in tables.items():
         (folder / f"{name}.csv").write_text(table.csv(), encoding="utf-8")
         (folder / f"{name}.tex").write_text(table.latex(), encoding="utf-8")
 
@@ -29,11 +37,12 @@ def page(output):
     """The page; its figures and tables are written to folders beside it."""
     summary = read_json(output / "summary.json", FORMAT)
     view = read_json(output / "view.json") if (output / "view.json").is_file() else None
-    write_tables(summary, output / "tables")
+    tables = tables_of(summary)
+    write_tables(tables, output / "tables")
     figures = study_figures.draw_all(summary, output / "figures")
     return rendered(
         "study.html", "view.js", view if view and view["runs"] else None,
-        summary=summary, tables=study_tables.all_tables(summary),
+        summary=summary, tables=tables,
         figures=[(f.title, f.caption, inline(f.png)) for f in figures])
 
 

@@ -184,9 +184,3 @@ def coverage_table(summary):
     return Table(
         "Coverage", "What was used, what was not, and which runs went wrong. Measurements of landmarks in the state.",
         ["scenario", "estimator", "frames", "measurements", "rejected", "out of view", "born", "given up", "diverged", "lost"], rows)
-
-
-def all_tables(summary):
-    tables = {"summary": summary_table(summary), "consistency": consistency_table(summary), "classification": classification_table(summary),
-              "pairs": pairs_table(summary), "coverage": coverage_table(summary)}
-    return {name: table for name, table in tables.items() if table.rows}
