@@ -46,6 +46,8 @@ int main(int argc, char** argv) {
   slammot::Configuration configuration;
   slammot::assign(configuration, {"landmark", "dynamic_inverse_depth"});
   slammot::assign(configuration, {"classifier", "truth"});
+  slammot::assign(configuration, {"labels", "one_way"});
+  slammot::assign(configuration, {"prior.source", "stated"});
   for (const std::string& text : settings) {
     slammot::assign(configuration, slammot::parse_assignment(text));
   }

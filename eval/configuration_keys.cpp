@@ -188,8 +188,8 @@ std::vector<ConfigurationKey> estimator_keys() {
              SLAMMOT_FIELD(window.iterations)),
       number("window.negligible", "a step that promises to lower chi-square by less is the last",
              kPositive, SLAMMOT_FIELD(window.negligible)),
-      choice("window.linearisation", "Jacobians beside the prior", {"standard", "fej"},
-             SLAMMOT_FIELD(window.linearisation)),
+      choice("window.linearisation", "Jacobians at the estimate, the first estimate, or the truth",
+             {"standard", "fej", "ideal"}, SLAMMOT_FIELD(window.linearisation)),
       choice("window.loss", "on the measurements", {"none", "huber"}, SLAMMOT_FIELD(window.loss)),
   };
 }

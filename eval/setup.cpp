@@ -69,7 +69,9 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
   for (const auto& [track, landmark] : sequence.landmarks) {
     setup.true_labels[track] = landmark.label;
   }
-  if (configuration.ekf.linearisation == "ideal") setup.truth = truth_of(sequence);
+  if (configuration.ekf.linearisation == "ideal" || configuration.window.linearisation == "ideal") {
+    setup.truth = truth_of(sequence);
+  }
   return setup;
 }
 

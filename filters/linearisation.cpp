@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "slammot/models/observation.h"
+#include "slammot/models/true_state.h"
 
 namespace slammot {
 
@@ -37,13 +38,14 @@ Vector6d Linearisation::landmark(const JointState& state, int track) const {
 void Linearisation::predicted(const JointState& state, int frame, double dt) {
   if (at_estimate()) return;
   forget_what_left(state);
-  camera_ = kind_ == Kind::kFej ? state.camera : true_camera(frame);
+  camera_ = kind_ == Kind::kFej ? state.camera : true_camera(*truth_, frame);
   for (const auto& [track, landmark] : state.landmarks) {
     if (kind_ == Kind::kFej) {
       predicted_first_estimate(state, landmark);
     } else if (landmark.is_free()) {
       Vector6d& x = landmarks_.at(track);
-      const auto truth = true_landmark(track, frame, anchors_.at(landmark.anchor));
+      const auto truth =
+          true_state(*truth_, functions_, track, frame, anchors_.at(landmark.anchor));
       x = truth ? *truth : functions_.predict(x, dt);  // out of view it has no truth
     }
   }
@@ -60,37 +62,17 @@ void Linearisation::predicted_first_estimate(const JointState& state,
   if (!landmark.is_free() && sigma < kKnownDepth * std::abs(landmark.y.z())) settled_.insert(track);
 }
 
-const CameraState& Linearisation::true_camera(int frame) const {
-  const auto camera = truth_->cameras.find(frame);
-  if (camera == truth_->cameras.end()) {
-    throw std::invalid_argument("linearisation ideal needs a true camera for every frame");
-  }
-  return camera->second;
-}
-
-std::optional<Vector6d> Linearisation::true_landmark(int track, int frame,
-                                                     const Eigen::Vector3d& anchor) const {
-  const auto landmark = truth_->landmarks.find(track);
-  if (landmark == truth_->landmarks.end()) return std::nullopt;
-  const TruePoint* point = landmark->second.at(frame);
-  if (point == nullptr) return std::nullopt;
-  Vector6d x;
-  x << inverse_depth_of(Eigen::Vector3d(point->position - anchor)), Eigen::Vector3d::Zero();
-  x.tail<3>() = functions_.motion_of(x.head<3>(), point->velocity);
-  return x;
-}
-
 NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
                                  const Observation& z, int frame, const NewLandmark& here) {
   if (at_estimate()) return here;
-  if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(frame);
+  if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(*truth_, frame);
   const CameraState at = this->camera(state);
   anchors_.try_emplace(frame, at.position);
   Eigen::Vector2d pixel = z.pixel;
   Vector6d x;
   x << here.y, Eigen::Vector3d::Zero();
   std::optional<Vector6d> truth;
-  if (kind_ == Kind::kIdeal) truth = true_landmark(z.track, frame, at.position);
+  if (kind_ == Kind::kIdeal) truth = true_state(*truth_, functions_, z.track, frame, at.position);
   if (truth) {
     const auto h = observe(camera, at.position, at.orientation, at.position,
                            Eigen::Vector3d(truth->head<3>()));
@@ -106,10 +88,10 @@ NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
 NewKnownLandmark Linearisation::known_birth(const JointState& state, const KnownLandmark& known,
                                             int frame, const NewKnownLandmark& here) {
   if (at_estimate()) return here;
-  if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(frame);
+  if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(*truth_, frame);
   const Eigen::Vector3d anchor = anchors_.try_emplace(frame, camera(state).position).first->second;
   std::optional<Vector6d> truth;
-  if (kind_ == Kind::kIdeal) truth = true_landmark(known.track, frame, anchor);
+  if (kind_ == Kind::kIdeal) truth = true_state(*truth_, functions_, known.track, frame, anchor);
   Vector6d x;
   x << here.y, Eigen::Vector3d::Zero();
   landmarks_[known.track] = truth ? *truth : x;

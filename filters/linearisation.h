@@ -65,8 +65,6 @@ class Linearisation {
   enum class Kind { kStandard, kFej, kIdeal, kInvariant };
 
   static Kind kind_of(const std::string& name);
-  std::optional<Vector6d> true_landmark(int track, int frame, const Eigen::Vector3d& anchor) const;
-  const CameraState& true_camera(int frame) const;
   void predicted_first_estimate(const JointState& state, const FilterLandmark& landmark);
   void forget_what_left(const JointState& state);
 

@@ -30,7 +30,7 @@ struct Variable {
   SmallVector value;
   const ceres::Manifold* manifold = nullptr;  // null: Euclidean
   int owner = -1;                    // the track whose private state it is, or -1 when shared
-  std::optional<SmallVector> first;  // first-estimate linearisation point, once a prior touches it
+  std::optional<SmallVector> first;  // where Jacobians are taken, when not at the value
 
   // Of the step in hand: its correction, and the value or the transport that it leads to.
   SmallVector correction, candidate;
@@ -72,7 +72,8 @@ using Step = std::map<VariableId, SmallVector>;
 
 class Graph {
  public:
-  // `first_estimates`: Jacobians of variables that a prior touches stay at their first estimate.
+  // `first_estimates`: Jacobians of variables that a prior touches stay where they were then, at
+  // the first estimate or where linearise_at() has put them.
   explicit Graph(bool first_estimates) : first_estimates_(first_estimates) {}
 
   VariableId add_variable(const Eigen::VectorXd& value, const ceres::Manifold* manifold, int owner);
@@ -106,6 +107,15 @@ class Graph {
 
   using Values = std::map<VariableId, SmallVector>;
   void forget_first_estimate(VariableId id);
+  // From the next linearisation on, Jacobians with respect to this variable are taken there.
+  void linearise_at(VariableId id, const Eigen::VectorXd& point) {
+    variables_.at(id).first = point;
+  }
+  // Where they are taken.
+  SmallVector point(VariableId id) const {
+    const auto near = variables_.find(id);
+    return near != variables_.end() && near->second.first ? *near->second.first : value(id);
+  }
   Values far_values() const;  // as value() of each
 
   // Residual of the prior at the current estimate, and R expressed there.

@@ -16,6 +16,15 @@ std::vector<Vector6d> noise_values(const Graph& graph, const LandmarkVariables& 
   return values;
 }
 
+// The newest state's Jacobian where those of the factors are taken.
+Eigen::MatrixXd jacobian_at_points(const Graph& graph, const LandmarkVariables& l) {
+  Vector6d base;
+  base << graph.point(l.y), graph.point(*l.w);
+  std::vector<Vector6d> noises;
+  for (const VariableId n : l.noises) noises.emplace_back(graph.point(n));
+  return propagate(*l.chain, base, noises).J;
+}
+
 }  // namespace
 
 std::vector<Vector6d> chain_states(const Graph& graph, const LandmarkVariables& l) {
@@ -24,7 +33,9 @@ std::vector<Vector6d> chain_states(const Graph& graph, const LandmarkVariables& 
 
 ChainState newest_state(const Graph& graph, const LandmarkVariables& l) {
   if (!l.w) return static_state(graph.value(l.y));
-  return propagate(*l.chain, base_state(graph, l), noise_values(graph, l));
+  ChainState state = propagate(*l.chain, base_state(graph, l), noise_values(graph, l));
+  if (graph.first_estimates()) state.J = jacobian_at_points(graph, l);
+  return state;
 }
 
 std::vector<VariableId> state_variables(const LandmarkVariables& l) {

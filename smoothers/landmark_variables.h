@@ -21,7 +21,8 @@ struct LandmarkVariables {
 // The states (y, w) from the base to the end of the chain.
 std::vector<Vector6d> chain_states(const Graph& graph, const LandmarkVariables& landmark);
 
-// The last of them with its Jacobian, and the variables that this one stands for.
+// The last of them with its Jacobian, taken where the factors' are, and the variables that this one
+// stands for.
 ChainState newest_state(const Graph& graph, const LandmarkVariables& landmark);
 std::vector<VariableId> state_variables(const LandmarkVariables& landmark);
 

@@ -3,6 +3,7 @@
 #include "slammot/models/gate.h"
 #include "slammot/models/label_policy.h"
 #include "slammot/models/observation.h"
+#include "slammot/models/true_state.h"
 #include "slammot/smoothers/factors.h"
 #include "slammot/smoothers/window_estimator.h"
 
@@ -18,8 +19,9 @@ std::unique_ptr<ceres::LossFunction> make_loss(const std::string& name) {
   throw std::invalid_argument("unknown loss '" + name + "'");
 }
 
+// Whether Jacobians are taken at fixed points.
 bool first_estimates(const std::string& linearisation) {
-  if (linearisation == "fej") return true;
+  if (linearisation == "fej" || linearisation == "ideal") return true;
   if (linearisation == "standard") return false;
   throw std::invalid_argument("unknown linearisation '" + linearisation + "' of the window");
 }
@@ -35,7 +37,11 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
           make_classifier(classifier_for(functions_, models.classifier), setup.true_labels)),
       depth_prior_(models.depth_prior, setup.prior),
       loss_(make_loss(options.loss)),
-      graph_(first_estimates(options.linearisation)) {
+      graph_(first_estimates(options.linearisation)),
+      truth_(options.linearisation == "ideal" ? setup.truth : nullptr) {
+  if (options.linearisation == "ideal" && !truth_) {
+    throw std::invalid_argument("linearisation ideal needs the exact truth of a simulation");
+  }
   for (const KnownLandmark& known : setup.known) known_[known.track] = known;
   scene_ = add_scene(graph_, setup.prior);
 }
@@ -93,6 +99,10 @@ void Window::predict(const Frame& frame) {
                        graph_.add_variable(position, nullptr, kShared),
                        graph_.add_variable(motion, &motion_manifold_, kShared),
                        {}});
+    if (!truth_) return;
+    camera_to_blocks(true_camera(*truth_, frame.index), position.data(), motion.data());
+    graph_.linearise_at(newest().position, position);
+    graph_.linearise_at(newest().motion, motion);
   };
   if (frames_.empty()) {
     first_frame_ = frame.index;
@@ -105,13 +115,22 @@ void Window::predict(const Frame& frame) {
   if (!(dt > 0.0)) {
     throw std::invalid_argument("the time of a frame must be later than that of the one before");
   }
-  const CameraState x = state(last);
+  const CameraState x = state(last), at = truth_ ? true_camera(*truth_, last.index) : x;
   add_camera(slammot::predict(x, dt), last.number + 1);
   graph_.add_factor({last.position, last.motion, newest().position, newest().motion},
-                    camera_motion_cost(camera_noise(setup_.camera_noise, x, dt), dt));
+                    camera_motion_cost(camera_noise(setup_.camera_noise, at, dt), dt));
   for (auto& [track, landmark] : landmarks_) {
-    if (landmark.w) extend(landmark, dt);
+    if (!landmark.w) continue;
+    extend(landmark, dt);
+    linearise_at_truth(landmark);
   }
+}
+
+std::optional<ObservedPixel> Window::observed_at_truth(const WindowLandmark& l) const {
+  const CameraState x = camera_from_blocks(graph_.point(frames_.back().position).data(),
+                                           graph_.point(frames_.back().motion).data());
+  return observe(setup_.camera, x.position, x.orientation, graph_.point(l.anchor),
+                 true_chain(l).back().head<3>());
 }
 
 // As in the EKF: each measurement on its own, against the predicted joint of camera and landmark.
@@ -138,9 +157,10 @@ std::vector<Observation> Window::gate(const Frame& frame, FrameReport& report) {
     form.variables = {newest().position, newest().motion, l.anchor};
     for (const VariableId id : state_variables(l)) form.variables.push_back(id);
     form.J.setZero(2, 15 + landmark.J.cols());
-    form.J.leftCols<6>() = h->J_pose;
-    form.J.middleCols<3>(12) = h->J_anchor;
-    form.J.rightCols(landmark.J.cols()) = h->J_y * landmark.J.topRows<3>();
+    const ObservedPixel at = truth_ ? observed_at_truth(l).value_or(*h) : *h;
+    form.J.leftCols<6>() = at.J_pose;
+    form.J.middleCols<3>(12) = at.J_anchor;
+    form.J.rightCols(landmark.J.cols()) = at.J_y * landmark.J.topRows<3>();
   }
   if (visible.empty()) return accepted;
   const PixelGate test(models_.gate_probability, setup_.pixel_sigma);

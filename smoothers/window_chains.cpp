@@ -1,7 +1,9 @@
 // Free landmarks in the window: their chains grow with each frame, and their base moves on when the
 // frame it stands in leaves.
 #include <Eigen/LU>
+#include <algorithm>
 
+#include "slammot/models/true_state.h"
 #include "slammot/smoothers/factors.h"
 #include "slammot/smoothers/window_estimator.h"
 
@@ -17,7 +19,35 @@ void Window::extend(WindowLandmark& landmark, double dt) {
   landmark.noise_priors.push_back(graph_.add_factor({noise}, noise_prior_cost()));
 }
 
+// From the base to the newest frame; where it is not known, predicted from where it was.
+std::vector<Vector6d> Window::true_chain(const WindowLandmark& l) const {
+  const Eigen::Vector3d anchor = *graph_.variables().at(l.anchor).first;
+  Vector6d x;
+  x << graph_.value(l.y), l.w ? Eigen::Vector3d(graph_.value(*l.w)) : Eigen::Vector3d::Zero();
+  const auto base = std::find_if(frames_.begin(), frames_.end(),
+                                 [&](const WindowFrame& f) { return f.position == l.base; });
+  std::vector<Vector6d> states;
+  for (std::size_t i = 0; i <= l.noises.size(); ++i) {
+    if (i > 0) x = functions_.predict(x, l.chain->steps[i - 1].dt);
+    const int frame = (base + static_cast<std::ptrdiff_t>(i))->index;
+    x = true_state(*truth_, functions_, l.record.track, frame, anchor).value_or(x);
+    states.push_back(x);
+  }
+  return states;
+}
+
+void Window::linearise_at_truth(const WindowLandmark& l) {
+  if (!truth_) return;
+  const std::vector<Vector6d> states = true_chain(l);
+  graph_.linearise_at(l.y, states.front().head<3>());
+  if (!l.w) return;
+  graph_.linearise_at(*l.w, states.front().tail<3>());
+  const auto noises = lead_through(*l.chain, states, setup_.prior.acceleration);
+  for (std::size_t i = 0; i < noises.size(); ++i) graph_.linearise_at(l.noises[i], noises[i]);
+}
+
 double Window::refresh_noises() {
+  if (truth_) return 0.0;  // they are those of the true states
   const double sigma = setup_.prior.acceleration;
   double change = 0.0;
   for (auto& [track, l] : landmarks_)
@@ -37,7 +67,8 @@ Advance Window::advance(const WindowLandmark& landmark, const Vector6d& from,
   const ChainStep& s = landmark.chain->steps[step];
   const VariableId noise = landmark.noises[step];
   Advance a{landmark.y, *landmark.w, noise, {}, s.G, {}};
-  a.F_inverse = functions_.predict_jacobian(from, s.dt).inverse();
+  const Vector6d at = truth_ ? true_chain(landmark)[step] : from;
+  a.F_inverse = functions_.predict_jacobian(at, s.dt).inverse();
   a.next = functions_.predict(from, s.dt) + s.G * graph_.value(noise);
   return a;
 }
@@ -65,6 +96,7 @@ void Window::enter_base(WindowLandmark& landmark, VariableId base) {
   landmark.noises.erase(landmark.noises.begin());
   landmark.noise_priors.erase(landmark.noise_priors.begin());
   landmark.chain->steps.erase(landmark.chain->steps.begin());
+  linearise_at_truth(landmark);
   std::erase_if(landmark.pixels, [](const WindowPixel& z) { return z.depth == 0; });
   for (WindowPixel& z : landmark.pixels) {
     --z.depth;

@@ -10,6 +10,7 @@
 
 #include "slammot/models/classification.h"
 #include "slammot/models/depth_prior.h"
+#include "slammot/models/observation.h"
 #include "slammot/smoothers/camera_manifold.h"
 #include "slammot/smoothers/landmark_variables.h"
 #include "slammot/smoothers/marginalise.h"
@@ -106,6 +107,10 @@ class Window : public Estimator {
 
   // window_chains.cpp: free landmarks through the window.
   void extend(WindowLandmark& landmark, double dt);
+  // With linearisation `ideal`: its points and the G of its chain are the truth's; else nothing.
+  void linearise_at_truth(const WindowLandmark& landmark);
+  std::vector<Vector6d> true_chain(const WindowLandmark& landmark) const;
+  std::optional<ObservedPixel> observed_at_truth(const WindowLandmark& landmark) const;
   double refresh_noises();  // of all landmarks
   WindowPixel measured(const WindowLandmark& landmark, const MeasuredPixel& z);
   Advance advance(const WindowLandmark& landmark, const Vector6d& from, std::size_t step) const;
@@ -131,7 +136,8 @@ class Window : public Estimator {
   std::map<int, KnownLandmark> known_;
   std::set<int> known_used_;
   Graph graph_;
-  std::optional<VariableId> scene_;  // mean inverse depth at first sight, when it is learnt
+  std::shared_ptr<const Truth> truth_;  // of linearisation `ideal`
+  std::optional<VariableId> scene_;     // mean inverse depth at first sight, when it is learnt
   std::deque<WindowFrame> frames_;
   std::map<int, WindowLandmark> landmarks_;  // by track
   std::vector<WindowLandmark> dead_;         // lost, with measurements in the window

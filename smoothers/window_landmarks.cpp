@@ -38,6 +38,7 @@ void Window::admit_known(const Frame& frame, FrameReport& report) {
     landmark.life.known = true;
     const Eigen::Vector3d y = initialise_known(known->second, graph_.value(landmark.anchor)).y;
     landmark.y = graph_.add_variable(y, nullptr, z.track);
+    linearise_at_truth(landmark);
     newest().knowledge.insert(
         graph_.add_factor({landmark.anchor, landmark.y}, known_landmark_cost(known->second)));
     ++report.admitted;
@@ -61,6 +62,7 @@ void Window::admit_new(const Frame& frame, FrameReport& report) {
     const Label label = classifier_->at_birth(z.track, first_frame);
     WindowLandmark& l = birth(born(z.track, frame.index, label, first_frame, prior), z.pixel);
     l.y = graph_.add_variable(y->y, nullptr, z.track);
+    linearise_at_truth(l);
     const WindowPixel first = measured(l, {newest().position, newest().motion, z.pixel, 0});
     newest().knowledge.insert(
         scene_ ? graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(prior))
@@ -77,6 +79,7 @@ void Window::add_motion(WindowLandmark& l) {
   l.w = graph_.add_variable(Eigen::Vector3d::Zero(), nullptr, l.record.track);
   l.w_prior = graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigma(l.record.prior)));
   l.chain = std::make_shared<Chain>(Chain{&functions_, {}});
+  linearise_at_truth(l);
 }
 
 // As the EKF: of those that were static before this frame's labels.
@@ -138,6 +141,8 @@ void Window::collapse(const std::vector<int>& tracks) {
     landmark.pixels.clear();
     landmark.chain.reset();
     landmark.w.reset();
+    landmark.base = newest().position;
+    linearise_at_truth(landmark);
   }
   if (models_.collapse != "condition") return;
   graph_.rebase_prior();

@@ -8,8 +8,8 @@ import ranking  # noqa: E402
 
 
 def cell(label, far, anees, estimator="ekf", diverged=0, **settings):
-    configuration = {"classifier": "thesis", "ekf.linearisation": "standard"}
-    configuration.update({key.replace("ekf_", "ekf."): value for key, value in settings.items()})
+    configuration = {"classifier": "thesis", "ekf.linearisation": "standard", "window.linearisation": "standard"}
+    configuration.update({key.replace("_", ".", 1): value for key, value in settings.items()})
     made = {"label": label, "estimator": estimator, "runs": 10, "diverged": [{"seed": 1, "frame": 3}] * diverged, "lost": [],
             "configuration": configuration, "timing": {"frame_median_ms": 1.0}}
     if far is not None:
@@ -49,7 +49,8 @@ class Ranking(unittest.TestCase):
     def test_what_is_told_the_truth_is_not_recommended(self):
         rows = ranked(group("a", [cell("labels", 1.0, 6.0, classifier="truth"), cell("row", 1.0, 6.0, "true_labels"),
                                   cell("jacobians", 1.0, 6.0, ekf_linearisation="ideal"), cell("honest", 2.0, 12.0),
-                                  cell("worse", 3.0, 12.0), cell("window", 2.5, 7.0, "window", ekf_linearisation="ideal")]))
+                                  cell("worse", 3.0, 12.0), cell("window", 2.5, 7.0, "window", ekf_linearisation="ideal"),
+                                  cell("told window", 1.0, 6.0, "window", window_linearisation="ideal")]))
         best = ranking.recommended(rows)
         self.assertEqual({kind: row.label for kind, row in best.items()}, {"filter": "honest", "smoother": "window"})
 

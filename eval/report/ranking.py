@@ -16,8 +16,8 @@ SMOOTHER, BATCH = "window", "batch"
 def knows_the_truth(cell):
     """Told its labels or its Jacobians: a yardstick, not a recommendation."""
     settings = cell["configuration"]
-    return (cell["estimator"] in (BOUND, "true_labels") or settings["classifier"] == "truth"
-            or (cell["estimator"] != SMOOTHER and settings["ekf.linearisation"] == "ideal"))
+    own = "window.linearisation" if cell["estimator"] == SMOOTHER else "ekf.linearisation"
+    return cell["estimator"] in (BOUND, "true_labels") or settings["classifier"] == "truth" or settings[own] == "ideal"
 
 
 def camera(cell):
