@@ -28,6 +28,20 @@ TEST(Bootstrap, IntervalOfAMeanIsThatOfTheNormalDistribution) {
   EXPECT_TRUE(std::isnan(bootstrap({1.0}, mean).lower));
 }
 
+TEST(Study, EachThatShipsCanBeRead) {
+  int count = 0;
+  const std::filesystem::path folder = std::filesystem::path(SLAMMOT_SOURCE_DIR) / "eval/studies";
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    try {
+      EXPECT_GT(read_study(entry.path()).cells.size(), 1U) << entry.path();
+      ++count;
+    } catch (const std::exception& error) {
+      ADD_FAILURE() << error.what();
+    }
+  }
+  EXPECT_GT(count, 10);
+}
+
 class Summary : public testing::Test {
  protected:
   static constexpr int kRuns = 50, kFrames = 100;
