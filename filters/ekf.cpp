@@ -110,6 +110,7 @@ void Ekf::correct() {
     linearise(state_, linearisation_, setup_.camera, matches_, innovation_);
   }
   update(state_, linearisation_, setup_.camera, variance, options_.iterations, innovation_);
+  testify();
   for (const Match& m : pending_) {
     update_alone(state_, linearisation_, setup_.camera, m, variance, innovation_);
   }

@@ -49,6 +49,7 @@ class Ekf final : public Estimator {
   void learn_depths();
   void classify(int frame);
   void collapse();  // of those that classify() found static
+  void testify();   // what this frame's measurements say of the static labels
   // Takes back static labels that the innovations of this frame reject.
   void take_back();
   void retire(FrameReport& report);
@@ -72,6 +73,7 @@ class Ekf final : public Estimator {
   // Of the frame in hand; kept for their memory.
   std::vector<Match> matches_, accepted_, pending_;
   std::vector<int> out_of_view_;  // tracks
+  std::vector<double> testimony_;
   Innovation innovation_;
   Gate gate_;
   std::vector<Observation> unmatched_;

@@ -22,6 +22,7 @@ void Ekf::admit_known(const Frame& frame, FrameReport& report) {
     const StateBlock block =
         state_.covariance.append({{anchor.block, -J}}, variance * J * J.transpose());
     TrackRecord record = born(z.track, frame.index, Label::kStatic, true, setup_.prior);
+    record.known = true;
     record.observations = 0;
     add(record, born_here.y, block, frame.index);
     ++report.admitted;
@@ -150,10 +151,22 @@ void Ekf::collapse() {
   for (const int track : tracks_) state_.drop_motion(track);
 }
 
+void Ekf::testify() {
+  if (!watches_innovations(models_.labels)) return;
+  nis_given_others(innovation_, testimony_);
+  for (std::size_t i = 0; i < testimony_.size(); ++i) {
+    note_innovation(state_.landmarks.at(innovation_.matches[i].track).record, testimony_[i],
+                    models_.labels);
+  }
+  for (std::size_t i = 0, k = 0; i < gate_.measured.size() && k < gate_.rejected.size(); ++i) {
+    if (gate_.measured[i].track != gate_.rejected[k]) continue;
+    note_innovation(state_.landmarks.at(gate_.rejected[k++]).record, gate_.nis[i], models_.labels);
+  }
+}
+
 void Ekf::take_back() {
-  for (std::size_t i = 0; i < gate_.measured.size(); ++i) {
-    TrackRecord& record = state_.landmarks.at(gate_.measured[i].track).record;
-    note_innovation(record, gate_.nis[i], models_.labels);
+  for (const Match& match : gate_.measured) {
+    TrackRecord& record = state_.landmarks.at(match.track).record;
     if (!is_rejected(record, models_.labels)) continue;
     note_freed(record);
     state_.free_motion(record.track, landmark_.prior_sigma(record.prior));

@@ -4,6 +4,8 @@
 
 // LAPACK: the Cholesky factor of one triangle, in place.
 extern "C" void dpotrf_(const char* uplo, const int* n, double* A, const int* lda, int* info);
+// And from it one triangle of the inverse.
+extern "C" void dpotri_(const char* uplo, const int* n, double* A, const int* lda, int* info);
 
 namespace slammot {
 
@@ -184,6 +186,25 @@ void update(JointState& state, const Linearisation& linearisation, const Camera&
   }
   state.covariance.subtract_outer(*innovation.P_Ht);
   linearisation.correct(state, (*innovation.dx).col(0));
+}
+
+void nis_given_others(Innovation& z, std::vector<double>& nis) {
+  nis.clear();
+  if (z.rows() == 0) return;
+  const int size = static_cast<int>(z.rows());
+  z.S_inverse.resize(size, size);
+  auto B = *z.S_inverse;
+  B = *z.S;
+  auto a = z.stacked_nu();  // L^-1 nu
+  B.triangularView<Eigen::Lower>().transpose().solveInPlace(a);
+  int info = 0;
+  dpotri_("L", &size, B.data(), &size, &info);
+  if (info != 0) throw Diverged("the innovation covariance has no inverse");
+  for (Index i = 0; i < size; i += 2) {
+    const Eigen::Matrix2d own = B.block<2, 2>(i, i).selfadjointView<Eigen::Lower>();
+    const Eigen::Vector2d a_i = a.segment<2>(i);
+    nis.push_back(a_i.dot(own.inverse() * a_i));
+  }
 }
 
 void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,

@@ -28,7 +28,7 @@ struct Innovation {
   Eigen::Index rows() const { return 2 * std::ssize(matches); }
   Eigen::Map<Eigen::VectorXd> stacked_nu() { return {nu.data()->data(), rows()}; }
 
-  GrowingMatrix columns, J_pose, S, dx;  // working memory
+  GrowingMatrix columns, J_pose, S, S_inverse, dx;  // working memory
 };
 
 // Linearises; matches whose landmark is not expected in view are left out (observation.h).
@@ -50,6 +50,11 @@ void gate(const JointState& state, const PixelGate& test, Innovation& innovation
 // correction not finite.
 void update(JointState& state, const Linearisation& linearisation, const Camera& camera,
             double pixel_variance, int iterations, Innovation& innovation);
+
+// After update(): the NIS of each measurement given all the others of the frame, its leave-one-out
+// innovation. With a = S^-1 nu and B = S^-1, a_i' B_ii^-1 a_i (mathematics.md): what all of them
+// share, above all the camera's motion, is not in it.
+void nis_given_others(Innovation& innovation, std::vector<double>& nis);
 
 // A measurement that moves only its own landmark, the rest of the state being considered but not
 // corrected (Schmidt's gain): what a delayed initialisation would know of it.

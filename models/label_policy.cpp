@@ -11,6 +11,8 @@ bool reversible(const LabelOptions& options) { return options.name == "reversibl
 
 }  // namespace
 
+bool watches_innovations(const LabelOptions& options) { return reversible(options); }
+
 bool is_asked(const TrackRecord& record, const LabelOptions& options) {
   return record.label == Label::kUnknown || (reversible(options) && record.label == Label::kMoving);
 }
@@ -21,7 +23,7 @@ void note_answer(TrackRecord& record, Label answer, int frame) {
 }
 
 void note_innovation(TrackRecord& record, double nis, const LabelOptions& options) {
-  if (!reversible(options) || record.label != Label::kStatic) return;
+  if (!reversible(options) || record.label != Label::kStatic || record.known) return;
   std::vector<double>& kept = record.static_nis;
   kept.reserve(static_cast<std::size_t>(options.window));
   if (std::ssize(kept) == options.window) kept.erase(kept.begin());

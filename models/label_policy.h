@@ -17,7 +17,11 @@ bool is_asked(const TrackRecord& record, const LabelOptions& options);
 // The answer of the classifier. A moving landmark only ever hears that it is static.
 void note_answer(TrackRecord& record, Label answer, int frame);
 
-// The NIS of a measurement of a static landmark, whether or not it passed the gate.
+// Whether anything is made of note_innovation().
+bool watches_innovations(const LabelOptions& options);
+
+// The NIS of a measurement of a static landmark given all other measurements of its frame; of one
+// that did not pass the gate, that of its innovation. One known beforehand stays static.
 void note_innovation(TrackRecord& record, double nis, const LabelOptions& options);
 
 // Whether the latest innovations reject that it is static: were it, each NIS would be

@@ -13,6 +13,7 @@ struct TrackRecord {
   int track = 0;
   Label label = Label::kUnknown;
   bool from_first_frame = false;
+  bool known = false;       // beforehand: its label is a statement
   bool was_moving = false;  // has ever been taken for moving
   int first_frame = 0;
   int last_frame = 0;

@@ -3,6 +3,7 @@
 #include "slammot/models/gate.h"
 #include "slammot/models/label_policy.h"
 #include "slammot/models/observation.h"
+#include "slammot/models/so3.h"
 #include "slammot/models/true_state.h"
 #include "slammot/smoothers/factors.h"
 #include "slammot/smoothers/window_estimator.h"
@@ -60,13 +61,14 @@ FrameReport Window::process(const Frame& frame, StageListener& stages) {
   const std::vector<Observation> accepted = gate(frame, report);
 
   stages.begin("optimise");
-  add_measurements(accepted);
+  const std::vector<FactorId> pixels = add_measurements(accepted);
   refresh_noises();
   const OptimiseResult optimum = optimise(graph_, options_.iterations, options_.negligible);
 
   stages.begin("covariances");
   estimate_camera(optimum.equations, optimum.last_step);
   learn_depths(accepted, optimum.equations);
+  testify(accepted, pixels, optimum);
 
   stages.begin("classify");
   for (auto& [track, landmark] : landmarks_) ++landmark.record.unused_frames;
@@ -168,27 +170,65 @@ std::vector<Observation> Window::gate(const Frame& frame, FrameReport& report) {
   for (std::size_t i = 0; i < visible.size(); ++i) {
     TrackRecord& record = landmarks_.at(visible[i].track).record;
     const double nis = test.nis(innovations[i], HPHt[i]);
-    note_innovation(record, nis, models_.labels);
     if (test.passes(nis)) {
       accepted.push_back(visible[i]);
       report.nis_sum += nis;
     } else {
       ++report.rejected;
       note_rejected(record);
+      note_innovation(record, nis, models_.labels);
     }
   }
   report.accepted = static_cast<int>(accepted.size());
   return accepted;
 }
 
-void Window::add_measurements(const std::vector<Observation>& accepted) {
+std::vector<FactorId> Window::add_measurements(const std::vector<Observation>& accepted) {
+  std::vector<FactorId> pixels;
   for (const Observation& z : accepted) {
     WindowLandmark& l = landmarks_.at(z.track);
     const auto depth = static_cast<int>(l.noises.size());
     const WindowPixel pixel = measured(l, {newest().position, newest().motion, z.pixel, depth});
+    pixels.push_back(pixel.factor);
     if (l.w) l.pixels.push_back(pixel);
     if (record_lives_) l.life.pixels.emplace_back(newest().number, z.pixel);
   }
+  return pixels;
+}
+
+// With r the residual that is left and I - J P J' its covariance, r' (I - J P J')^-1 r is the NIS
+// given all other measurements, as the EKF has it from its innovations (mathematics.md).
+void Window::testify(const std::vector<Observation>& accepted, const std::vector<FactorId>& pixels,
+                     const OptimiseResult& optimum) {
+  if (!watches_innovations(models_.labels)) return;
+  std::vector<TrackRecord*> records;
+  std::vector<Eigen::Vector2d> residuals;
+  std::vector<LinearForm> forms;
+  for (std::size_t i = 0; i < accepted.size(); ++i) {
+    WindowLandmark& l = landmarks_.at(accepted[i].track);
+    const Factor& factor = graph_.factors().at(pixels[i]);
+    if (l.w || !factor.valid) continue;
+    records.push_back(&l.record);
+    residuals.emplace_back(factor.r);
+    forms.push_back({factor.variables, before(factor, optimum.last_step)});
+  }
+  const std::vector<Eigen::MatrixXd> JPJt = optimum.equations.covariances(forms);
+  for (std::size_t i = 0; i < forms.size(); ++i) {
+    const Eigen::Matrix2d own = Eigen::Matrix2d::Identity() - JPJt[i];
+    note_innovation(*records[i], residuals[i].dot(own.inverse() * residuals[i]), models_.labels);
+  }
+}
+
+// J of a pixel's factor in the coordinates that the last step was taken in.
+Eigen::MatrixXd Window::before(const Factor& factor, const Step& last) const {
+  Eigen::MatrixXd J = factor.J;
+  if (graph_.first_estimates()) return J;
+  for (std::size_t i = 0; i < factor.variables.size(); ++i) {
+    if (!factor.at[i]->manifold) continue;
+    const Eigen::Vector3d turn = last.at(factor.variables[i]).head<3>();
+    J.middleCols<3>(factor.offset[i]) *= right_jacobian_so3(turn);
+  }
+  return J;
 }
 
 std::unique_ptr<Estimator> make_window(const Setup& setup, const ModelOptions& models,

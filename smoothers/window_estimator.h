@@ -76,7 +76,12 @@ class Window : public Estimator {
   // window.cpp: the frame.
   void predict(const Frame& frame);
   std::vector<Observation> gate(const Frame& frame, FrameReport& report);
-  void add_measurements(const std::vector<Observation>& accepted);
+  // Returns their factors.
+  std::vector<FactorId> add_measurements(const std::vector<Observation>& accepted);
+  // What they say of the static labels, given all others.
+  void testify(const std::vector<Observation>& accepted, const std::vector<FactorId>& pixels,
+               const OptimiseResult& optimum);
+  Eigen::MatrixXd before(const Factor& factor, const Step& last) const;
   CameraState state(const WindowFrame& frame) const;
 
   // window_marginalise.cpp: what leaves.

@@ -33,6 +33,7 @@ void Window::admit_known(const Frame& frame, FrameReport& report) {
     if (known == known_.end() || landmarks_.contains(z.track)) continue;
     if (!known_used_.insert(z.track).second) continue;  // what was stated counts once
     TrackRecord record = born(z.track, frame.index, Label::kStatic, true, setup_.prior);
+    record.known = true;
     record.observations = 0;
     WindowLandmark& landmark = birth(record, z.pixel);
     landmark.life.known = true;

@@ -204,5 +204,42 @@ TEST(JointCovariance, HasTheProductsOfADenseMatrix) {
   EXPECT_TRUE(joint.block({0, 3}, {33, 3}) == P.block(0, 33, 3, 3));
 }
 
+// The same by its definition: the innovation of one measurement beside its prediction from the
+// others, over the covariance of that difference.
+double nis_of_leave_one_out(const Eigen::MatrixXd& S, const Eigen::VectorXd& nu, Eigen::Index i) {
+  std::vector<Eigen::Index> own{2 * i, 2 * i + 1}, others;
+  for (Eigen::Index k = 0; k < nu.size(); ++k) {
+    if (k / 2 != i) others.push_back(k);
+  }
+  const Eigen::MatrixXd G = S(own, others) * S(others, others).inverse();
+  const Eigen::Vector2d left = nu(own) - G * nu(others);
+  const Eigen::Matrix2d C = S(own, own) - G * S(others, own);
+  return left.dot(C.inverse() * left);
+}
+
+TEST(NisGivenOthers, IsThatOfTheInnovationBesideItsPredictionFromTheOthers) {
+  std::mt19937_64 engine(5);
+  std::normal_distribution<double> normal;
+  constexpr int kMatches = 7, kRows = 2 * kMatches;
+  const Eigen::MatrixXd A =
+      Eigen::MatrixXd::NullaryExpr(kRows, kRows, [&] { return normal(engine); });
+  const Eigen::MatrixXd S = A * A.transpose() + 0.1 * Eigen::MatrixXd::Identity(kRows, kRows);
+  const Eigen::MatrixXd L = S.llt().matrixL();
+  const Eigen::VectorXd nu = Eigen::VectorXd::NullaryExpr(kRows, [&] { return normal(engine); });
+  Innovation solved;  // as update() leaves it
+  solved.matches.resize(kMatches);
+  solved.nu.resize(kMatches);
+  solved.S.resize(kRows, kRows);
+  *solved.S = L;
+  solved.stacked_nu() = L.triangularView<Eigen::Lower>().solve(nu);
+  std::vector<double> nis;
+  nis_given_others(solved, nis);
+  ASSERT_EQ(nis.size(), kMatches);
+  for (Eigen::Index i = 0; i < kMatches; ++i) {
+    const double expected = nis_of_leave_one_out(S, nu, i);
+    EXPECT_NEAR(nis[static_cast<std::size_t>(i)], expected, 1e-9 * expected);
+  }
+}
+
 }  // namespace
 }  // namespace slammot

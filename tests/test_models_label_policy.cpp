@@ -60,6 +60,13 @@ TEST(Reversible, OnlyTheLatestInnovationsCount) {
   EXPECT_FALSE(is_rejected(record, options));
 }
 
+TEST(Reversible, WhatIsKnownBeforehandStays) {
+  TrackRecord record = born(1, 0, Label::kStatic, true, {});
+  record.known = true;
+  for (int i = 0; i < 20; ++i) note_innovation(record, 100.0, reversible());
+  EXPECT_FALSE(is_rejected(record, reversible()));
+}
+
 TEST(Reversible, AMovingLandmarkMayStop) {
   TrackRecord record = born(1, 0, Label::kMoving, false, {});
   EXPECT_FALSE(is_asked(record, named("one_way")));
