@@ -61,6 +61,7 @@ void static_window(benchmark::State& state) {
   Configuration configuration = corridor_configuration(options);
   configuration.model.policy.retain = "window";
   configuration.model.classifier.name = "all_static";
+  configuration.model.labels.name = "one_way";
   Configuration converged =
       configuration;  // what any smoother of this model and graph converges to
   converged.window.iterations = 50;

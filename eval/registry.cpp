@@ -20,19 +20,23 @@ std::unique_ptr<Estimator> batch(const Setup& setup, const Configuration& c) {
 }
 
 void as_stated(Configuration&) {}
-void all_static(Configuration& c) { c.model.classifier.name = "all_static"; }
-// What the truth says is not taken back.
+// Here and with true labels nothing is taken back.
+void all_static(Configuration& c) {
+  c.model.classifier.name = "all_static";
+  c.model.labels.name = "one_way";
+}
 void true_labels(Configuration& c) {
   c.model.classifier.name = "truth";
   c.model.labels.name = "one_way";
 }
 // Covariances at the truth, with labels given and every measurement used: a probability of 1 opens
-// the gate, so that nothing of P depends on the estimates.
+// the gate, so that nothing of P depends on the estimates. Its prior is the one that is stated.
 void bound(Configuration& c) {
   true_labels(c);
   c.model.gate_probability = 1.0;
   c.ekf.linearisation = "ideal";
   c.model.depth_prior = "stated";
+  c.prior.mean_sigma = 0.0;
 }
 void delayed(Configuration& c) { c.ekf.delayed = true; }
 

@@ -103,9 +103,9 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
 
 Configuration effective_configuration(const Sequence& sequence, const Configuration& configuration,
                                       const std::string& estimator) {
-  Configuration effective = resolve(sequence, configuration);
+  Configuration effective = configuration;
   find_estimator(estimator).adjust(effective);
-  return effective;
+  return resolve(sequence, effective);
 }
 
 RunResult run_estimator(const Sequence& sequence, const Configuration& configuration,

@@ -28,9 +28,8 @@ struct SweptKey {
 };
 
 constexpr std::string_view kFigures[] = {
-    "camera_error", "landmark_error", "classification", "classification_against_sweep",
-    "velocity",     "trade_off",      "anees",          "landmark_anees",
-    "anees_by_age"};
+    "ranking",  "camera_error", "landmark_error", "classification", "classification_against_sweep",
+    "velocity", "trade_off",    "anees",          "landmark_anees", "anees_by_age"};
 
 // `scenario.KEY` is a parameter of the scenario, any other key one of the configuration.
 constexpr std::string_view kScenarioPrefix = "scenario.";

@@ -25,9 +25,10 @@ OptimiseResult optimise(Graph& graph, int iterations, double negligible) {
     OptimiseResult result{NormalEquations(graph), {}};
     result.last_step = result.equations.step();
     const bool last = i >= iterations || -result.equations.slope(result.last_step) < negligible;
-    if (iterations == 1) {
+    if (iterations == 1 || graph.first_estimates()) {
       graph.move(result.last_step);
-      return result;
+      if (last) return result;
+      continue;
     }
     Step step = damping == 0.0 ? result.last_step : NormalEquations(graph, damping).step();
     bool lower = graph.cost(step) <= before;

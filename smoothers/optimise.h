@@ -13,8 +13,9 @@ struct OptimiseResult {
 // At most `iterations` linearisations from the current estimate; it ends when a step promises to
 // lower the cost by less than `negligible` (in units of chi-square: 1e-2 is a tenth of a
 // standard deviation). Steps are those of Gauss-Newton; one that raises the cost is not taken but
-// tried again with more damping. A single iteration is taken as it is, whatever the cost says: that
-// is what an EKF does.
+// tried again with more damping. Taken as it is, whatever the cost says, is a single iteration, as
+// an EKF does, and a step whose Jacobians are not those of the cost: it is its own equations that
+// are solved then.
 OptimiseResult optimise(Graph& graph, int iterations, double negligible);
 
 }  // namespace slammot

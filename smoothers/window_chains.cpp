@@ -19,13 +19,15 @@ void Window::extend(WindowLandmark& landmark, double dt) {
   landmark.noise_priors.push_back(graph_.add_factor({noise}, noise_prior_cost()));
 }
 
-// From the base to the newest frame; where it is not known, predicted from where it was.
+// From the base to the newest frame; where it is not known, predicted from the point before. What
+// is labelled static stays where it was then.
 std::vector<Vector6d> Window::true_chain(const WindowLandmark& l) const {
   const Eigen::Vector3d anchor = *graph_.variables().at(l.anchor).first;
   Vector6d x;
-  x << graph_.value(l.y), l.w ? Eigen::Vector3d(graph_.value(*l.w)) : Eigen::Vector3d::Zero();
+  x << graph_.point(l.y), l.w ? Eigen::Vector3d(graph_.point(*l.w)) : Eigen::Vector3d::Zero();
   const auto base = std::find_if(frames_.begin(), frames_.end(),
                                  [&](const WindowFrame& f) { return f.position == l.base; });
+  if (base == frames_.end()) return {x};
   std::vector<Vector6d> states;
   for (std::size_t i = 0; i <= l.noises.size(); ++i) {
     if (i > 0) x = functions_.predict(x, l.chain->steps[i - 1].dt);

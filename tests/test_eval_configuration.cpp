@@ -1,9 +1,11 @@
 // The key table: every key reads back what it writes, and mistakes are named.
 #include <gtest/gtest.h>
 
+#include "slammot/datasets/scenario.h"
 #include "slammot/datasets/sequence.h"
 #include "slammot/eval/configuration.h"
 #include "slammot/eval/registry.h"
+#include "slammot/eval/run.h"
 #include "slammot/eval/setup.h"
 #include "slammot/tests/test_eval_fixture.h"
 
@@ -113,8 +115,21 @@ TEST(Registry, NamesAreKnownAndAdjustTheConfiguration) {
   Configuration configuration;
   find_estimator("static_world").adjust(configuration);
   EXPECT_EQ(configuration.model.classifier.name, "all_static");
+  EXPECT_EQ(configuration.model.labels.name, "one_way");
   find_estimator("delayed").adjust(configuration);
   EXPECT_TRUE(configuration.ekf.delayed);
+}
+
+TEST(Registry, TheBoundHasThePriorThatIsStated) {
+  const Sequence sequence = simulate("circle", {{"frames", "3"}}, 1);
+  for (const char* mean_sigma : {"sequence", "0.1"}) {
+    Configuration configuration;
+    assign(configuration, {"prior.mean_sigma", mean_sigma});
+    const Configuration bound = effective_configuration(sequence, configuration, "bound");
+    EXPECT_EQ(bound.model.depth_prior, "stated");
+    EXPECT_EQ(make_setup(sequence, bound).prior.mean_sigma, 0.0);
+    EXPECT_GT(effective_configuration(sequence, configuration, "ekf").prior.mean_sigma, 0.0);
+  }
 }
 
 }  // namespace

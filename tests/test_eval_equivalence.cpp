@@ -100,7 +100,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible"},
                     Case{"dynamic_inverse_depth", "drop", "thesis", 0.0, "one_way", "map"},
                     Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible", "map"},
-                    Case{"scaled_velocity", "drop", "thesis", 0.02, "one_way", "map"}),
+                    Case{"scaled_velocity", "drop", "thesis", 0.02, "one_way", "map"},
+                    Case{"scaled_velocity", "condition", "thesis", 0.04, "reversible", "map"}),
     [](const auto& tested) {
       return tested.param.landmark + "_" + tested.param.collapse + "_" + tested.param.classifier +
              "_" + tested.param.labels + "_" + tested.param.depth_prior;

@@ -122,7 +122,7 @@ def table(summary):
              for r in rows]
     return Table(
         "Ranking",
-        f"{sentence(rows)} Fewest diverged runs first, then the smallest cost: position RMSE over the Cramér-Rao bound's (mean over runs), "
+        f"{sentence(rows)} Fewest diverged runs first, then the smallest cost: position RMSE over the Cramér-Rao bound's, over the runs that did not diverge, "
         "times the factor by which the stated sigma is wrong, the root of ANEES / 6 or of its inverse; geometric means over the scenarios. Inside: frames whose pose "
         "ANEES is in its 95% interval. Misclassified: wrong or undecided, of landmarks measured ten times or more. What is told the truth is a yardstick.",
         ["", "configuration", "kind", "diverged + lost", "cost", "error over bound", "sigma off by", "inside", "misclassified", "frame [ms]"], lines)

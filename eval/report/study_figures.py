@@ -309,7 +309,7 @@ def draw_all(summary, folder):
     folder.mkdir(parents=True, exist_ok=True)
     plt = pyplot()
     figures = []
-    for name in summary["figures"]:
+    for name in filter(DRAWERS.__contains__, summary["figures"]):
         if not any(drawn(group) for group in summary["groups"]):
             break  # every run failed at once: the tables say so
         figure, (title, caption) = DRAWERS[name](plt, summary)

@@ -16,7 +16,8 @@ FORMAT = "slammot-summary-1"
 
 
 def tables_of(summary):
-    tables = {"ranking": ranking.table(summary), "summary": study_tables.summary_table(summary),
+    tables = {"ranking": ranking.table(summary)} if "ranking" in summary["figures"] else {}
+    tables |= {"summary": study_tables.summary_table(summary),
               "consistency": study_tables.consistency_table(summary), "classification": study_tables.classification_table(summary),
               "pairs": study_tables.pairs_table(summary), "coverage": study_tables.coverage_table(summary)}
     return {name: table for name, table in tables.items() if table.rows}
