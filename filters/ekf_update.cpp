@@ -2,10 +2,11 @@
 
 #include <Eigen/LU>
 
-// LAPACK: the Cholesky factor of one triangle, in place.
+// LAPACK: the Cholesky factor of one triangle, in place; and from it one triangle of the inverse.
+// NOLINTBEGIN(readability-identifier-naming)
 extern "C" void dpotrf_(const char* uplo, const int* n, double* A, const int* lda, int* info);
-// And from it one triangle of the inverse.
 extern "C" void dpotri_(const char* uplo, const int* n, double* A, const int* lda, int* info);
+// NOLINTEND(readability-identifier-naming)
 
 namespace slammot {
 
