@@ -7,16 +7,12 @@
 #include "slammot/filters/ekf.h"
 #include "slammot/smoothers/batch.h"
 #include "slammot/smoothers/window.h"
+#include "slammot/tests/test_linearisation_fixture.h"
 
 namespace slammot {
 namespace {
 
-// The largest entry of A - B in units of the standard deviations of B.
-double relative_difference(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
-  EXPECT_TRUE(A.allFinite() && B.allFinite());
-  const Eigen::VectorXd s = B.diagonal().cwiseSqrt();
-  return (A - B).cwiseQuotient(s * s.transpose()).cwiseAbs().maxCoeff();
-}
+using test::relative_difference;
 
 struct Case {
   std::string landmark, collapse, classifier;

@@ -1,26 +1,13 @@
 // Where the EKF takes its Jacobians: each value of the flag does what it says.
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "slammot/datasets/scenario.h"
 #include "slammot/eval/metrics.h"
 #include "slammot/eval/run.h"
+#include "slammot/tests/test_linearisation_fixture.h"
 
 namespace slammot {
 namespace {
-
-// The same scene and path with other pixel noise.
-Sequence renoised(Sequence sequence, unsigned seed) {
-  std::mt19937_64 engine(seed);
-  std::normal_distribution<double> normal;
-  for (Frame& frame : sequence.frames) {
-    for (Observation& z : frame.observations) {
-      z.pixel += Eigen::Vector2d(normal(engine), normal(engine));
-    }
-  }
-  return sequence;
-}
 
 // The camera's covariance in the end, as a root mean variance of its entries' differences between
 // two noise realisations, in sigmas.
@@ -32,13 +19,12 @@ double dependence_on_noise(const std::string& linearisation) {
   assign(configuration, {"gate.probability", "0.999999999999"});
   assign(configuration, {"prior.source", "stated"});  // what is learnt is of the measurements
   const auto last = [&](unsigned seed) {
-    const RunResult run = run_estimator(renoised(sequence, seed), configuration, "true_labels");
+    const RunResult run =
+        run_estimator(test::renoised(sequence, seed), configuration, "true_labels");
     EXPECT_FALSE(run.diverged);
     return run.filtered.back().covariance;
   };
-  const Matrix12d A = last(1), B = last(2);
-  const Vector12d sigma = B.diagonal().cwiseSqrt();
-  return (A - B).cwiseQuotient(sigma * sigma.transpose()).cwiseAbs().maxCoeff();
+  return test::relative_difference(last(1), last(2));
 }
 
 TEST(Linearisation, IdealDoesNotDependOnTheMeasurements) {
