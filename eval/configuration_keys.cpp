@@ -149,8 +149,10 @@ std::vector<ConfigurationKey> statement_keys() {
              SLAMMOT_FIELD(motion.angular_acceleration)),
       choice("motion.discretisation", "of the camera's noise", names_of(motion_list()),
              SLAMMOT_FIELD(motion.discretisation)),
-      choice("prior.source", "rho0 and its sigma as stated, or learnt from the landmarks in view",
-             {"stated", "map"}, SLAMMOT_FIELD(model.depth_prior)),
+      choice("prior.source",
+             "rho0 and its sigma as stated, or learnt from the landmarks in view (map); auto: "
+             "learnt where a landmark is known beforehand",
+             {"auto", "stated", "map"}, SLAMMOT_FIELD(model.depth_prior)),
       number("prior.inverse_depth", "rho0 of new landmarks [1/m]", kNotNegative,
              SLAMMOT_FIELD(prior.inverse_depth)),
       number("prior.inverse_depth_sigma", "its standard deviation [1/m]", kPositive,

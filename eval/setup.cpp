@@ -1,5 +1,7 @@
 #include "slammot/eval/setup.h"
 
+#include "slammot/models/depth_prior.h"
+
 namespace slammot {
 namespace {
 
@@ -36,7 +38,8 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const Configuration& conf
   LandmarkPrior prior = sequence.prior.value_or(LandmarkPrior{});
   prior.inverse_depth = overrides.inverse_depth.value_or(prior.inverse_depth);
   prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
-  if (configuration.model.depth_prior == "map" && prior.mean_sigma == 0.0) {
+  if (learns_depths(configuration.model.depth_prior, !sequence.known.empty()) &&
+      prior.mean_sigma == 0.0) {
     prior.mean_sigma = 0.5 * prior.inverse_depth;
   }
   prior.mean_sigma = overrides.mean_sigma.value_or(prior.mean_sigma);
@@ -77,6 +80,8 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
 
 Configuration resolve(const Sequence& sequence, Configuration configuration) {
   const Setup setup = make_setup(sequence, configuration);
+  configuration.model.depth_prior =
+      learns_depths(configuration.model.depth_prior, !setup.known.empty()) ? "map" : "stated";
   configuration.pixel_sigma = setup.pixel_sigma;
   configuration.motion.acceleration = setup.camera_noise.acceleration;
   configuration.motion.angular_acceleration = setup.camera_noise.angular_acceleration;

@@ -10,7 +10,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       options_(options),
       landmark_(find_landmark(models.landmark)),
       classifier_(make_classifier(classifier_for(landmark_, models.classifier), setup.true_labels)),
-      depth_prior_(models.depth_prior, setup.prior),
+      depth_prior_(learns_depths(models.depth_prior, !setup.known.empty()), setup.prior),
       linearisation_(options.linearisation, landmark_, setup.truth) {
   if (options.deferred && options.linearisation == "invariant") {
     throw std::invalid_argument(

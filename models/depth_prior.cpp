@@ -12,12 +12,6 @@ constexpr std::size_t kLeast = 3;     // established landmarks
 constexpr double kStatement = 1.0;    // how many landmarks the statement counts as
 constexpr double kNearest = 5.0;      // times the median inverse depth
 
-bool source_learns(const std::string& source) {
-  if (source == "map") return true;
-  if (source == "stated") return false;
-  throw std::invalid_argument("unknown source '" + source + "' of the depth prior");
-}
-
 // The established, in place. A wrong landmark can seem to stand just before the camera. It counts
 // as one that is near, no nearer; the births have a long tail there, so it is not left out.
 std::span<SeenDepth> sample(std::span<SeenDepth> seen) {
@@ -69,7 +63,11 @@ LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, std::span<SeenDept
   return learnt;
 }
 
-DepthPrior::DepthPrior(const std::string& source, const LandmarkPrior& stated)
-    : learns_(source_learns(source)), stated_(stated), born_(stated) {}
+bool learns_depths(const std::string& source, bool some_are_known) {
+  if (source == "auto") return some_are_known;
+  if (source == "map") return true;
+  if (source == "stated") return false;
+  throw std::invalid_argument("unknown source '" + source + "' of the depth prior");
+}
 
 }  // namespace slammot

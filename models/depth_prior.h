@@ -16,6 +16,9 @@
 // learns a prior whose scale is as much off, and does not know it. Beside a shared mean
 // (LandmarkPrior::mean_sigma), a state that is correlated with the map as it should be, the mean of
 // a birth is that state, and only its spread and the motion's prior are learnt here.
+//
+// `auto`: `map` where some landmark is known beforehand. Where none is, the statement is all that
+// holds the scale, and it is kept.
 #pragma once
 
 #include <span>
@@ -38,10 +41,13 @@ struct SeenDepth {
 // than the rest moved back.
 LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, std::span<SeenDepth> seen);
 
+// Whether the source (auto | map | stated) learns. Throws std::invalid_argument for another.
+bool learns_depths(const std::string& source, bool some_are_known);
+
 class DepthPrior {
  public:
-  // Throws std::invalid_argument for an unknown source.
-  DepthPrior(const std::string& source, const LandmarkPrior& stated);
+  DepthPrior(bool learns, const LandmarkPrior& stated)
+      : learns_(learns), stated_(stated), born_(stated) {}
 
   bool learns() const { return learns_; }
   void learn(std::span<SeenDepth> seen) { born_ = learnt_depth_prior(stated_, seen); }

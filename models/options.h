@@ -40,7 +40,7 @@ struct ModelOptions {
   ClassifierOptions classifier;
   LabelOptions labels;
   TrackPolicy policy;
-  std::string depth_prior = "map";  // of newborn landmarks: stated | map, see depth_prior.h
+  std::string depth_prior = "auto";  // of newborn landmarks: stated | map | auto, see depth_prior.h
 };
 
 }  // namespace slammot

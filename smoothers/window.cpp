@@ -36,7 +36,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       functions_(find_landmark(models.landmark)),
       classifier_(
           make_classifier(classifier_for(functions_, models.classifier), setup.true_labels)),
-      depth_prior_(models.depth_prior, setup.prior),
+      depth_prior_(learns_depths(models.depth_prior, !setup.known.empty()), setup.prior),
       loss_(make_loss(options.loss)),
       graph_(first_estimates(options.linearisation)),
       truth_(options.linearisation == "ideal" ? setup.truth : nullptr) {

@@ -107,6 +107,17 @@ TEST(MakeSetup, ConfigurationThenSequenceThenDefault) {
   EXPECT_EQ(resolve(sequence, configuration).motion.angular_acceleration, 3.0);
 }
 
+// Where nothing else states the scale, the statement is not given up.
+TEST(MakeSetup, DepthsAreLearntWhereALandmarkIsKnown) {
+  Sequence sequence = test::straight_line(2);
+  EXPECT_EQ(resolve(sequence, Configuration{}).model.depth_prior, "stated");
+  EXPECT_EQ(make_setup(sequence, Configuration{}).prior.mean_sigma, 0.0);
+  sequence.known.push_back({1, Eigen::Vector3d::UnitZ(), 0.01});
+  EXPECT_EQ(resolve(sequence, Configuration{}).model.depth_prior, "map");
+  EXPECT_EQ(make_setup(sequence, Configuration{}).prior.mean_sigma,
+            0.5 * LandmarkPrior{}.inverse_depth);
+}
+
 TEST(Registry, NamesAreKnownAndAdjustTheConfiguration) {
   for (const char* name : {"ekf", "window", "batch", "static_world", "delayed", "true_labels"}) {
     EXPECT_EQ(find_estimator(name).name, name);

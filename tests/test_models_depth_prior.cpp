@@ -93,11 +93,13 @@ TEST(DepthPrior, BesideASharedMeanAWrongGuessIsNoSpread) {
 }
 
 TEST(DepthPrior, Sources) {
-  const LandmarkPrior stated = statement(0.2, 0.1);
-  EXPECT_FALSE(DepthPrior("stated", stated).learns());
-  EXPECT_TRUE(DepthPrior("map", stated).learns());
-  EXPECT_EQ(DepthPrior("map", stated).born().inverse_depth, 0.2);
-  EXPECT_THROW(DepthPrior("guess", stated), std::invalid_argument);
+  for (const bool some_are_known : {false, true}) {
+    EXPECT_FALSE(learns_depths("stated", some_are_known));
+    EXPECT_TRUE(learns_depths("map", some_are_known));
+    EXPECT_EQ(learns_depths("auto", some_are_known), some_are_known);
+    EXPECT_THROW(learns_depths("guess", some_are_known), std::invalid_argument);
+    EXPECT_EQ(DepthPrior(some_are_known, statement(0.2, 0.1)).born().inverse_depth, 0.2);
+  }
 }
 
 }  // namespace
