@@ -183,8 +183,6 @@ std::vector<ConfigurationKey> estimator_keys() {
              {"standard", "fej", "ideal", "invariant"}, SLAMMOT_FIELD(ekf.linearisation)),
       number("ekf.iterations", "1: EKF, more: iterated EKF", kPositive,
              SLAMMOT_FIELD(ekf.iterations)),
-      flag("ekf.hypotheses", "unknown landmarks are in the state twice, static and free",
-           SLAMMOT_FIELD(ekf.hypotheses)),
       flag("ekf.deferred", "landmarks out of view are updated when they return; exact",
            SLAMMOT_FIELD(ekf.deferred)),
       number("window.frames", "camera states kept", kPositive, SLAMMOT_FIELD(window.frames)),

@@ -1,7 +1,5 @@
 #include "slammot/filters/ekf.h"
 
-#include <algorithm>
-
 #include "slammot/filters/ekf_estimator.h"
 
 namespace slammot {
@@ -43,16 +41,13 @@ FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
   matches_.clear();
   for (const Observation& z : frame.observations) {
     if (state_.landmarks.contains(z.track)) matches_.push_back({z.track, z.pixel});
-    if (state_.landmarks.contains(~z.track)) matches_.push_back({~z.track, z.pixel});
   }
   linearise(state_, linearisation_, setup_.camera, matches_, innovation_);
   out_of_view_.swap(innovation_.out_of_view);
   report.out_of_view = static_cast<int>(out_of_view_.size());
   gate(state_, PixelGate(models_.gate_probability, setup_.pixel_sigma), innovation_, gate_);
   accepted_ = innovation_.matches;
-  report.accepted = static_cast<int>(
-      std::ranges::count_if(accepted_, [](const Match& m) { return m.track >= 0; }));
-  if (options_.hypotheses) weigh();
+  report.accepted = static_cast<int>(accepted_.size());
   report.rejected = static_cast<int>(gate_.rejected.size());
   report.nis_sum = gate_.nis_sum;
 

@@ -33,11 +33,6 @@ class Ekf final : public Estimator {
   void correct();
   void check() const;
 
-  // ekf_hypotheses.cpp: unknown landmarks as static and as free ones.
-  void weigh();
-  void adopt_twin(int track);
-  void drop_twin(int track);
-
   // ekf_far.cpp: what of the map is near.
   void divide(const Frame& frame);
   void rest();

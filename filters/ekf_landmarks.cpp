@@ -1,6 +1,5 @@
 // The landmarks of the EKF: births, classification, deaths, and what is believed of them.
 #include <Eigen/Cholesky>
-#include <algorithm>
 
 #include "slammot/filters/ekf_estimator.h"
 #include "slammot/models/initialisation.h"
@@ -36,9 +35,8 @@ void Ekf::admit_new(const Frame& frame, FrameReport& report) {
   for (const Observation& z : frame.observations) {
     if (!state_.landmarks.contains(z.track)) unmatched_.push_back(z);
   }
-  const auto twins = std::ranges::count_if(state_.landmarks, [](auto& l) { return l.first < 0; });
-  const auto births = admit(unmatched_, static_cast<int>(std::ssize(state_.landmarks) - twins),
-                            report.accepted, models_.policy);
+  const auto births =
+      admit(unmatched_, static_cast<int>(state_.landmarks.size()), report.accepted, models_.policy);
   const bool first_frame = frame.index == first_frame_;
   const LandmarkPrior& prior = depth_prior_.born();
   for (const Observation& z : births) {
@@ -51,9 +49,6 @@ void Ekf::admit_new(const Frame& frame, FrameReport& report) {
     const StateBlock block = append_new(at, prior, label == Label::kStatic ? 3 : 6);
     add(born(z.track, frame.index, label, first_frame, prior), here->y, block, frame.index);
     ++report.admitted;
-    if (!options_.hypotheses || label != Label::kUnknown) continue;
-    const StateBlock twin = append_new(at, prior, 3);
-    add(born(~z.track, frame.index, label, first_frame, prior), here->y, twin, frame.index);
   }
 }
 
@@ -106,7 +101,7 @@ void Ekf::learn_depths() {
   seen_.clear();
   for (const Match& match : accepted_) {
     const FilterLandmark& landmark = state_.landmarks.at(match.track);
-    if (landmark.is_free() || match.track < 0) continue;
+    if (landmark.is_free()) continue;
     const StateBlock rho{landmark.y_block.offset + 2, 1};
     seen_.push_back({landmark.y.z(), std::sqrt(state_.covariance.block(rho, rho)(0, 0))});
   }
@@ -117,20 +112,8 @@ void Ekf::learn_depths() {
 void Ekf::classify(int frame) {
   tracks_.clear();
   for (const Match& match : accepted_) {
-    if (match.track < 0 || !state_.landmarks.contains(match.track)) continue;
     FilterLandmark& landmark = state_.landmarks.at(match.track);
     if (!is_asked(landmark.record, models_.labels)) continue;
-    if (state_.landmarks.contains(~match.track)) {
-      const double odds = landmark.record.static_odds;
-      if (odds > std::log(models_.classifier.static_factor)) {
-        note_answer(landmark.record, Label::kStatic, frame);
-        adopt_twin(match.track);
-      } else if (odds < std::log(models_.classifier.moving_factor)) {
-        note_answer(landmark.record, Label::kMoving, frame);
-        drop_twin(match.track);
-      }
-      continue;
-    }
     MotionBelief belief;
     belief.track = match.track;
     belief.w = landmark.w;
@@ -183,7 +166,6 @@ void Ekf::testify() {
 
 void Ekf::take_back() {
   for (const Match& match : gate_.measured) {
-    if (!state_.landmarks.contains(match.track)) continue;
     TrackRecord& record = state_.landmarks.at(match.track).record;
     if (!is_rejected(record, models_.labels)) continue;
     note_freed(record);
@@ -201,14 +183,9 @@ void Ekf::retire(FrameReport& report) {
                                            linearisation_.anchor(state_, landmark.anchor),
                                            linearisation_.landmark(state_, track).head<3>()));
     }
-    const bool orphan = track < 0 && tracks_.end() != std::ranges::find(tracks_, track);
-    if (orphan || !is_lost(landmark.record, models_.policy)) continue;
+    if (!is_lost(landmark.record, models_.policy)) continue;
     tracks_.push_back(track);
-    if (track < 0) continue;
     report.retired.push_back(estimate(landmark));
-    if (state_.landmarks.contains(~track) && tracks_.end() == std::ranges::find(tracks_, ~track)) {
-      tracks_.push_back(~track);
-    }
   }
   state_.remove_landmarks(tracks_);
 }
@@ -225,16 +202,14 @@ LandmarkEstimate Ekf::estimate(const FilterLandmark& landmark) const {
 
 std::vector<LandmarkEstimate> Ekf::landmarks() const {
   std::vector<LandmarkEstimate> estimates;
-  for (const auto& [track, landmark] : state_.landmarks) {
-    if (track >= 0) estimates.push_back(estimate(landmark));
-  }
+  for (const auto& [track, landmark] : state_.landmarks) estimates.push_back(estimate(landmark));
   return estimates;
 }
 
 std::vector<LandmarkEstimate> Ekf::landmarks_measured(int index) const {
   std::vector<LandmarkEstimate> estimates;
   for (const auto& [track, landmark] : state_.landmarks) {
-    if (track >= 0 && landmark.record.last_frame == index) estimates.push_back(estimate(landmark));
+    if (landmark.record.last_frame == index) estimates.push_back(estimate(landmark));
   }
   return estimates;
 }

@@ -9,8 +9,7 @@ struct EkfOptions {
   std::string linearisation = "standard";  // | fej | ideal | invariant: linearisation.h
   int iterations = 1;    // 1: EKF; more: iterated EKF (Gauss-Newton steps on the same prior)
   bool delayed = false;  // a landmark's measurements move nothing but itself until it is classified
-  bool hypotheses = false;  // an unknown landmark has a static twin: ekf_hypotheses.cpp
-  bool deferred = false;    // the map out of view is updated when it is seen again: far_part.h
+  bool deferred = false;  // the map out of view is updated when it is seen again: far_part.h
 };
 
 }  // namespace slammot

@@ -147,7 +147,6 @@ void linearise(const JointState& state, const Linearisation& linearisation, cons
 void gate(const JointState& state, const PixelGate& test, Innovation& innovation, Gate& result) {
   result.measured = innovation.matches;
   result.nis.clear();
-  result.log_likelihood.clear();
   result.rejected.clear();
   result.rejected.reserve(result.measured.size());
   result.nis_sum = 0.0;
@@ -159,7 +158,6 @@ void gate(const JointState& state, const PixelGate& test, Innovation& innovation
     rows_of_H(state, innovation, i, columns, HPHt);
     const double nis = test.nis(innovation.nu[i], HPHt);
     result.nis.push_back(nis);
-    result.log_likelihood.push_back(test.log_likelihood(innovation.nu[i], HPHt));
     if (!test.passes(nis)) {
       result.rejected.push_back(result.measured[i].track);
       continue;

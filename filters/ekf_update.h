@@ -36,11 +36,10 @@ void linearise(const JointState& state, const Linearisation& linearisation, cons
                const std::vector<Match>& matches, Innovation& result);
 
 struct Gate {
-  std::vector<Match> measured;         // the matches of the innovation
-  std::vector<double> nis;             // of each of them
-  std::vector<double> log_likelihood;  // of each of them
-  std::vector<int> rejected;           // tracks
-  double nis_sum = 0.0;                // over the accepted
+  std::vector<Match> measured;  // the matches of the innovation
+  std::vector<double> nis;      // of each of them
+  std::vector<int> rejected;    // tracks
+  double nis_sum = 0.0;         // over the accepted
 };
 
 // Each match on its own; the accepted ones are left in the innovation.

@@ -21,13 +21,6 @@ class PixelGate {
     return nu.dot(S.inverse() * nu);
   }
 
-  // log N(nu; 0, S) but for a constant.
-  double log_likelihood(const Eigen::Vector2d& nu, const Eigen::Matrix2d& HPHt) const {
-    Eigen::Matrix2d S = HPHt;
-    S.diagonal().array() += variance_;
-    return -0.5 * (nu.dot(S.inverse() * nu) + std::log(S.determinant()));
-  }
-
   bool passes(double nis) const { return nis <= threshold_; }  // NaN does not
 
  private:

@@ -23,7 +23,6 @@ struct TrackRecord {
   int rejected_in_row = 0;         // measurements rejected since then
   int missed = 0;                  // frames since then in which it was predicted in view
   LandmarkPrior prior;             // what was stated of it at its birth
-  double static_odds = 0.0;        // log, of an unknown one with a static twin
   std::vector<double> static_nis;  // of its latest measurements while static (label_policy.h)
 };
 
