@@ -8,6 +8,7 @@ is there already is not computed again.
 import collections
 import csv
 import json
+import math
 import pathlib
 import subprocess
 import sys
@@ -36,15 +37,14 @@ def computed(program, data, output, name):
         subprocess.run([program, "track", data / source, "--output", tracked, *arguments], check=True)
     if not compared.exists():
         done = subprocess.run([program, "compare", tracked, "--landmark", "scaled_velocity", "--config",
-                               HERE / f"{name}.yaml", "--output", compared], check=False)
+                               HERE / f"{name}.yaml", "--pictures", "--output", compared], check=False)
         if done.returncode == 2:
             sys.exit(2)
     return tracked, compared
 
 
-def objects(tracked, source):
-    """The tracks of each object marked in a sequence."""
-    marked = [row for row in rows_of(HERE / "regions.csv") if row["sequence"] == source]
+def objects(tracked, marked):
+    """The tracks of each object that is marked."""
     found = collections.defaultdict(set)
     for z in rows_of(tracked / "observations.csv"):
         for row in marked:
@@ -55,25 +55,38 @@ def objects(tracked, source):
     return found
 
 
-def print_run(name, run, tracks):
+def labels_of(run, frames=(0, math.inf)):
+    """The last label of each track within these frames."""
+    return {row["track"]: row["label"] for row in rows_of(run / "landmarks.csv") if frames[0] <= int(row["frame"]) <= frames[1]}
+
+
+def counted(tracks, labels):
+    counts = collections.Counter(labels[t] for t in tracks if t in labels)
+    return ", ".join(f"{counts[label]} {label}" for label in ("static", "moving", "unknown"))
+
+
+def print_run(name, run, tracks, moves):
     metrics = json.loads((run / "metrics.json").read_text())
     accuracy = metrics["filtered"]["accuracy"]
     print(f"{name} {run.name}: diverged {metrics['diverged']}, position RMSE {accuracy['position_rmse_m']:.4f} m, "
           f"ATE SE3 {accuracy['ate_se3_m']:.4f} Sim3 {accuracy['ate_sim3_m']:.4f} m, scale {accuracy['sim3_scale']:.3f}, "
           f"RPE {accuracy['rpe_1s_position_rmse_m']:.4f} m {accuracy['rpe_1s_rotation_rmse_deg']:.2f} deg, NIS {metrics['nis']['mean']:.2f}")
     print("   ms: " + ", ".join(f"{s['stage']} {s['median_ms']:.1f}" for s in metrics["runtime"]["stages"]))
-    labels = {row["track"]: row["label"] for row in rows_of(run / "landmarks.csv")}
     for thing, members in sorted(tracks.items()):
-        counts = collections.Counter(labels[t] for t in members if t in labels)
-        print(f"   {thing}: " + ", ".join(f"{counts[label]} {label}" for label in ("static", "moving", "unknown")))
+        print(f"   {thing}: {counted(members, labels_of(run))}")
+        if moves[thing]:
+            first, last = (int(frame) for frame in moves[thing].split("-"))
+            print(f"   {thing}, frames {first} to {last}, while it moves: {counted(members, labels_of(run, (first, last)))}")
 
 
 def main(program, data, output, names):
     for name in names or SEQUENCES:
         tracked, compared = computed(program, pathlib.Path(data), pathlib.Path(output), name)
-        tracks = objects(tracked, SEQUENCES[name][0])
+        marked = [row for row in rows_of(HERE / "regions.csv") if row["sequence"] == SEQUENCES[name][0]]
+        tracks = objects(tracked, marked)
+        moves = {row["object"]: row["moves"] for row in marked}
         for run in sorted(path.parent for path in compared.glob("*/metrics.json")):
-            print_run(name, run, tracks)
+            print_run(name, run, tracks, moves)
 
 
 if __name__ == "__main__":

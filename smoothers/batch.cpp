@@ -8,6 +8,9 @@ namespace slammot {
 
 namespace {
 
+// Of all solutions of a batch together; after that it has diverged.
+constexpr int kMaxIterations = 300;
+
 // A landmark in the batch's graph.
 struct BatchLandmark : LandmarkVariables {
   LandmarkLife life;
@@ -149,12 +152,17 @@ double Batch::refresh_noises() {
 
 // Until neither the noises change nor the measurements that can be evaluated.
 void Batch::solve() {
-  int waiting = solve_with_ceres(graph_), before = -1;
-  for (int i = 0; i < kMaxRefreshes; ++i) {
-    if (refresh_noises() <= kNegligibleNoise && (waiting == 0 || waiting == before)) return;
+  int left = kMaxIterations, waited = -1;
+  for (;;) {
+    const auto [waiting, iterations] = solve_with_ceres(graph_, left);
+    if (refresh_noises() <= kNegligibleNoise && (waiting == 0 || waiting == waited)) return;
     leave_out_poles();
-    before = waiting;
-    waiting = solve_with_ceres(graph_);
+    waited = waiting;
+    left -= iterations;
+    if (left <= 0) {
+      throw Diverged("the batch has not settled in " + std::to_string(kMaxIterations) +
+                     " iterations");
+    }
   }
 }
 

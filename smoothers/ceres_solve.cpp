@@ -17,11 +17,11 @@ ceres::Problem::Options nothing_owned() {
   return options;
 }
 
-ceres::Solver::Options solver_options() {
+ceres::Solver::Options solver_options(int max_iterations) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.num_threads = 1;
-  options.max_num_iterations = 200;
+  options.max_num_iterations = max_iterations;
   options.function_tolerance = 1e-14;
   options.parameter_tolerance = 1e-14;
   options.gradient_tolerance = 1e-12;
@@ -32,13 +32,13 @@ ceres::Solver::Options solver_options() {
 
 }  // namespace
 
-int solve_with_ceres(Graph& graph) {
+CeresSolution solve_with_ceres(Graph& graph, int max_iterations) {
   ceres::Problem problem(nothing_owned());
   for (const auto& [id, v] : graph.variables()) {
     problem.AddParameterBlock(graph.data(id), static_cast<int>(v.value.size()),
                               const_cast<ceres::Manifold*>(v.manifold));
   }
-  int waiting = 0;
+  CeresSolution solution;
   for (const auto& [id, factor] : graph.factors()) {
     std::vector<double*> blocks;
     for (const VariableId v : factor.variables) blocks.push_back(graph.data(v));
@@ -46,18 +46,19 @@ int solve_with_ceres(Graph& graph) {
     // measurement counts for nothing until the others have brought it to the front.
     Eigen::VectorXd unused(factor.cost->num_residuals());
     if (!factor.cost->Evaluate(blocks.data(), unused.data(), nullptr)) {
-      ++waiting;
+      ++solution.waiting;
       continue;
     }
     problem.AddResidualBlock(factor.cost.get(), const_cast<ceres::LossFunction*>(factor.loss),
                              blocks);
   }
   ceres::Solver::Summary summary;
-  ceres::Solve(solver_options(), &problem, &summary);
+  ceres::Solve(solver_options(max_iterations), &problem, &summary);
   if (summary.termination_type != ceres::CONVERGENCE) {
     throw Diverged("the batch has no solution: " + summary.message);
   }
-  return waiting;
+  solution.iterations = static_cast<int>(summary.iterations.size());
+  return solution;
 }
 
 }  // namespace slammot

@@ -6,9 +6,13 @@
 
 namespace slammot {
 
-// Moves the graph's variables to a minimum of its cost, without the factors that cannot be
-// evaluated where it begins; returns how many these are. Throws Diverged when Ceres does not
-// converge. One thread, so that the result is always the same.
-int solve_with_ceres(Graph& graph);
+struct CeresSolution {
+  int waiting = 0;  // factors that could not be evaluated where it began, and were left out
+  int iterations = 0;
+};
+
+// Moves the graph's variables to a minimum of its cost. Throws Diverged when Ceres does not
+// converge within `max_iterations`. One thread, so that the result is always the same.
+CeresSolution solve_with_ceres(Graph& graph, int max_iterations = 200);
 
 }  // namespace slammot

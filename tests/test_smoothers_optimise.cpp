@@ -6,6 +6,7 @@
 #include <random>
 
 #include "slammot/models/camera_motion.h"
+#include "slammot/models/estimator.h"
 #include "slammot/smoothers/camera_manifold.h"
 #include "slammot/smoothers/ceres_solve.h"
 #include "slammot/smoothers/factors.h"
@@ -88,6 +89,12 @@ TEST(NormalEquations, CovariancesAreThoseOfCeres) {
     ASSERT_TRUE(oracle.GetCovarianceMatrixInTangentSpace(blocks, expected.data()));
     EXPECT_LT((P[k] - expected).norm(), 1e-9 * expected.norm());
   }
+}
+
+TEST(Optimise, CeresEndsWhereItWasAllowedTo) {
+  SmallScene scene;
+  EXPECT_THROW(solve_with_ceres(scene.graph, 1), Diverged);
+  EXPECT_GT(solve_with_ceres(scene.graph).iterations, 1);
 }
 
 TEST(Optimise, FindsTheMinimumThatCeresFinds) {
