@@ -10,11 +10,15 @@
 namespace slammot {
 namespace {
 
+// A camera farther away is not lost but an overflow to be: its squares are no numbers any more.
+constexpr double kNowhere = 1e9;  // [m]
+
 void require_finite(const CameraState& x) {
   if (!x.position.allFinite() || !x.orientation.coeffs().allFinite() || !x.velocity.allFinite() ||
       !x.angular_velocity.allFinite()) {
     throw Diverged("the camera's state is not a number");
   }
+  if (x.position.norm() > kNowhere) throw Diverged("the camera is a million kilometres away");
 }
 
 FrameCounts counts_of(const FrameReport& report) {

@@ -47,13 +47,15 @@ TEST(Drive, ADivergedRunKeepsWhatWasFinished) {
   EXPECT_EQ(metrics_json(compute_metrics(sequence, run, 0.95))["diverged"], true);
 }
 
-TEST(Drive, ANumberThatIsNotFiniteIsDivergence) {
+TEST(Drive, WhatCannotBeIsDivergence) {
   const Sequence sequence = test::straight_line(5);
-  for (const bool in_covariance : {false, true}) {
+  using Spoil = void (*)(CameraEstimate&);
+  for (const Spoil spoil : {Spoil([](CameraEstimate& c) { c.covariance(3, 4) = kUndefined; }),
+                            Spoil([](CameraEstimate& c) { c.state.velocity.x() = kUndefined; }),
+                            Spoil([](CameraEstimate& c) { c.state.position.x() = 1e150; })}) {
     FakeEstimator estimator([&](const Frame& f) {
       test::Belief belief = test::true_belief(sequence, f);
-      if (f.index == 2 && in_covariance) belief.camera.covariance(3, 4) = kUndefined;
-      if (f.index == 2 && !in_covariance) belief.camera.state.velocity.x() = kUndefined;
+      if (f.index == 2) spoil(belief.camera);
       return belief;
     });
     const RunResult run = drive(sequence, estimator);
