@@ -15,11 +15,10 @@ constexpr const char* kCounts[] = {
     "static",         "moving", "static_often_seen", "moving_often_seen", "standing_by_frame",
     "moving_by_frame"};
 
-// Root mean square over the frames of the position's standard deviation.
-double sigma_over_run(const Json& frames) {
-  std::vector<double> sigma;
-  for (const Json& s : frames.at("position_sigma_m")) sigma.push_back(number(s));
-  return root_mean_square(sigma);
+std::vector<double> numbers(const Json& array) {
+  std::vector<double> values;
+  for (const Json& value : array) values.push_back(number(value));
+  return values;
 }
 
 }  // namespace
@@ -38,7 +37,8 @@ void CellSummary::add(const Json& run) {
   if (!run.at("lost_at").is_null()) lost_.push_back({{"seed", seed}, {"frame", run["lost_at"]}});
   frames_.add(run.at("frames"));
   if (run.contains("smoothed_frames")) smoothed_.add(run["smoothed_frames"]);
-  stated_sigma_[seed] = sigma_over_run(run["frames"]);
+  stated_sigma_[seed] = root_mean_square(numbers(run["frames"].at("position_sigma_m")));
+  pose_nees_[seed] = mean(numbers(run["frames"].at("nees_pose")));
   ages_.add(run.at("landmarks"));
   tracks_.add(run.at("tracks"));
   for (const char* what : kCounts) {

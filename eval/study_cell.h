@@ -18,10 +18,11 @@ class CellSummary {
   void add_timing(const nlohmann::ordered_json& timing);  // a line of timing.jsonl
   nlohmann::ordered_json json() const;
 
-  // By seed: position RMSE over the run, smoothed of a batch, infinite of one that diverged; and
-  // what it states of it.
+  // By seed: position RMSE over the run, smoothed of a batch, infinite of one that diverged; what
+  // it states of it; and the mean NEES of its poses.
   const std::map<std::uint64_t, double>& position_rmse() const { return position_rmse_; }
   const std::map<std::uint64_t, double>& stated_sigma() const { return stated_sigma_; }
+  const std::map<std::uint64_t, double>& pose_nees() const { return pose_nees_; }
 
  private:
   void add_accuracy(const nlohmann::ordered_json& run);
@@ -31,7 +32,7 @@ class CellSummary {
   int runs_ = 0;
   nlohmann::ordered_json diverged_ = nlohmann::ordered_json::array();
   nlohmann::ordered_json lost_ = nlohmann::ordered_json::array();
-  std::map<std::uint64_t, double> position_rmse_, stated_sigma_;
+  std::map<std::uint64_t, double> position_rmse_, stated_sigma_, pose_nees_;
   std::map<std::string, std::vector<double>> scalars_;
   FrameStatistics frames_, smoothed_;
   LandmarkAges ages_;

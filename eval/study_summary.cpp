@@ -42,7 +42,7 @@ class CellLines {
 // What is kept of a cell while its group is summarised.
 struct Finished {
   Json json;
-  std::map<std::uint64_t, double> position_rmse, stated_sigma;  // by seed
+  std::map<std::uint64_t, double> position_rmse, stated_sigma, pose_nees;  // by seed
 };
 
 Finished summarise_cell(const StudyCell& cell, std::size_t index, CellLines& results,
@@ -50,7 +50,7 @@ Finished summarise_cell(const StudyCell& cell, std::size_t index, CellLines& res
   CellSummary summary(cell);
   results.visit(index, [&](const Json& run) { summary.add(run); });
   timing.visit(index, [&](const Json& run) { summary.add_timing(run); });
-  return {summary.json(), summary.position_rmse(), summary.stated_sigma()};
+  return {summary.json(), summary.position_rmse(), summary.stated_sigma(), summary.pose_nees()};
 }
 
 // Position RMSE of a - b by seed, where both finished; a diverged run loses.
@@ -79,14 +79,20 @@ double median_of(const std::vector<double>& samples) { return median(samples); }
 // of all, the median tells of a usual one.
 Json over_bound(const Finished& cell, const Finished& bound) {
   std::vector<double> ratios, errors, bounds;
+  Json runs = Json::array();
   for (const auto& [seed, rmse] : cell.position_rmse) {
     const auto sigma = bound.stated_sigma.find(seed);
     if (sigma == bound.stated_sigma.end() || !std::isfinite(rmse)) continue;
     ratios.push_back(rmse / sigma->second);
     errors.push_back(rmse);
     bounds.push_back(sigma->second);
+    runs.push_back({{"seed", seed},
+                    {"position_rmse_m", rmse},
+                    {"bound_m", sigma->second},
+                    {"nees_pose", cell.pose_nees.at(seed)}});
   }
-  return {{"position", root_mean_square(errors) / root_mean_square(bounds)},
+  return {{"runs", runs},
+          {"position", root_mean_square(errors) / root_mean_square(bounds)},
           {"median", json_of(bootstrap(ratios, median_of))}};
 }
 

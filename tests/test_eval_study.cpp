@@ -151,6 +151,10 @@ TEST_F(Summary, SaysWhatTheRunsSay) {
   EXPECT_EQ(honest["static"], Json({400, 50, 50}));
   EXPECT_NEAR(honest["filtered_position_rmse_m"]["value"].get<double>(), std::sqrt(0.03), 0.003);
   EXPECT_NEAR(honest["rmse_over_bound"]["position"].get<double>(), 0.1 / 0.08, 0.02);
+  double nees = 0.0;
+  for (const Json& run : honest["rmse_over_bound"]["runs"]) nees += run["nees_pose"].get<double>();
+  EXPECT_NEAR(nees / static_cast<double>(honest["rmse_over_bound"]["runs"].size()),
+              honest["anees"]["pose"]["mean"].get<double>(), 1e-6);
   const Json& age = honest["by_age"][0];
   EXPECT_EQ(age["static_position_m"]["median"].get<double>(), 0.2);
   EXPECT_EQ(age["nees_position"]["mean"].get<double>(), 2.5);

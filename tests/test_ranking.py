@@ -13,7 +13,8 @@ def cell(label, far, anees, estimator="ekf", diverged=0, **settings):
     made = {"label": label, "estimator": estimator, "runs": 10, "diverged": [{"seed": 1, "frame": 3}] * diverged, "lost": [],
             "configuration": configuration, "timing": {"frame_median_ms": 1.0}}
     if far is not None:
-        made.update({"rmse_over_bound": {"position": far}, "anees": {"pose": {"mean": anees, "inside": 0.5}},
+        runs = [{"seed": s, "position_rmse_m": 0.1 * far * (0.9 + 0.02 * s), "bound_m": 0.1, "nees_pose": anees} for s in range(1, 11)]
+        made.update({"rmse_over_bound": {"position": far, "runs": runs}, "anees": {"pose": {"mean": anees, "inside": 0.5}},
                      "static_often_seen": [8, 1, 1], "moving_often_seen": [10, 0, 0]})
     return made
 
@@ -60,6 +61,20 @@ class Ranking(unittest.TestCase):
                       group("a3", [cell("x", 1.0, 6.0)], labels="reversible", scenario_noise="1"),
                       group("a4", [cell("x", 1.0, 6.0)], labels="reversible", scenario_noise="2"))
         self.assertEqual([(r.label, round(r.cost, 6)) for r in rows], [("x, labels = reversible", 1.0), ("x, labels = one_way", 2.0)])
+
+    def test_configurations_are_told_apart_where_all_drawings_agree(self):
+        rows = ranked(group("a", [cell("best", 1.0, 6.0), cell("worse", 1.3, 6.0)]))
+        lower, upper = ranking.over(rows[1], rows[0])
+        self.assertAlmostEqual(lower, 1.3)  # run by run
+        self.assertAlmostEqual(upper, 1.3)
+        self.assertIsNone(ranking.over(rows[0], rows[0]))
+        unpaired = ranked(group("a", [cell("best", 1.0, 6.0), cell("worse", 1.01, 6.0)]))
+        unpaired[1].cells[0]["rmse_over_bound"]["runs"].reverse()
+        for seed, run in enumerate(unpaired[1].cells[0]["rmse_over_bound"]["runs"], 1):
+            run["seed"] = seed
+        lower, upper = ranking.over(unpaired[1], unpaired[0])
+        self.assertLess(lower, 1.0)
+        self.assertGreater(upper, 1.0)
 
     def test_a_batch_is_not_ranked_and_without_a_bound_nothing_is(self):
         cells = [cell("x", 1.0, 6.0), cell("y", 2.0, 6.0), cell("batch", 1.0, 6.0, "batch")]
