@@ -55,7 +55,7 @@ CeresSolution solve_with_ceres(Graph& graph, int max_iterations) {
   ceres::Solver::Summary summary;
   ceres::Solve(solver_options(max_iterations), &problem, &summary);
   if (summary.termination_type != ceres::CONVERGENCE) {
-    throw Diverged("the batch has no solution: " + summary.message);
+    throw Diverged("no solution: " + summary.message);
   }
   solution.iterations = static_cast<int>(summary.iterations.size());
   return solution;

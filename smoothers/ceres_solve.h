@@ -13,6 +13,6 @@ struct CeresSolution {
 
 // Moves the graph's variables to a minimum of its cost. Throws Diverged when Ceres does not
 // converge within `max_iterations`. One thread, so that the result is always the same.
-CeresSolution solve_with_ceres(Graph& graph, int max_iterations = 200);
+CeresSolution solve_with_ceres(Graph& graph, int max_iterations);
 
 }  // namespace slammot

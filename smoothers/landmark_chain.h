@@ -47,7 +47,7 @@ std::vector<Vector6d> lead_through(Chain& chain, const std::vector<Vector6d>& st
                                    double sigma_a);
 
 // The smoothers solve, refresh the noises (lead_through) and solve again until no noise changes by
-// more than this [sigma], or so often.
+// more than this [sigma]; the window so often at most.
 inline constexpr double kNegligibleNoise = 1e-7;
 inline constexpr int kMaxRefreshes = 20;
 

@@ -65,6 +65,16 @@ TEST(Drive, WhatCannotBeIsDivergence) {
   }
 }
 
+TEST(Drive, ACameraThatIsLostHasNotDiverged) {
+  const Sequence sequence = test::straight_line(5);
+  FakeEstimator estimator([&](const Frame& f) {
+    test::Belief belief = test::true_belief(sequence, f);
+    belief.camera.state.position.x() = 1e6;
+    return belief;
+  });
+  EXPECT_FALSE(drive(sequence, estimator).diverged);
+}
+
 // A landmark that leaves keeps its latest belief; one that comes back anew replaces it.
 TEST(Drive, LandmarksAreRememberedAfterTheyLeave) {
   const Sequence sequence = test::straight_line(6);

@@ -13,7 +13,8 @@ def cell(label, far, anees, estimator="ekf", diverged=0, **settings):
     made = {"label": label, "estimator": estimator, "runs": 10, "diverged": [{"seed": 1, "frame": 3}] * diverged, "lost": [],
             "configuration": configuration, "timing": {"frame_median_ms": 1.0}}
     if far is not None:
-        runs = [{"seed": s, "position_rmse_m": 0.1 * far * (0.9 + 0.02 * s), "bound_m": 0.1, "nees_pose": anees} for s in range(1, 11)]
+        squares = [0.55 + 0.1 * i for i in range(10)]  # of a run's error over that of all; their mean is 1
+        runs = [{"seed": i + 1, "position_rmse_m": 0.1 * far * s ** 0.5, "bound_m": 0.1, "nees_pose": anees} for i, s in enumerate(squares)]
         made.update({"rmse_over_bound": {"position": far, "runs": runs}, "anees": {"pose": {"mean": anees, "inside": 0.5}},
                      "static_often_seen": [8, 1, 1], "moving_often_seen": [10, 0, 0]})
     return made
@@ -62,19 +63,34 @@ class Ranking(unittest.TestCase):
                       group("a4", [cell("x", 1.0, 6.0)], labels="reversible", scenario_noise="2"))
         self.assertEqual([(r.label, round(r.cost, 6)) for r in rows], [("x, labels = reversible", 1.0), ("x, labels = one_way", 2.0)])
 
+    def test_all_runs_drawn_once_are_the_cost(self):
+        rows = ranked(group("a", [cell("x", 1.0, 9.0), cell("y", 2.0, 2.0)]), group("b", [cell("x", 3.0, 24.0), cell("y", 1.5, 6.0)]))
+        for row in rows:
+            once = ranking.drawn_cost(row.cells, list(range(1, 11)), ranking.numpy.arange(10)[None, :])
+            self.assertAlmostEqual(once[0], row.cost)
+
     def test_configurations_are_told_apart_where_all_drawings_agree(self):
-        rows = ranked(group("a", [cell("best", 1.0, 6.0), cell("worse", 1.3, 6.0)]))
-        lower, upper = ranking.over(rows[1], rows[0])
-        self.assertAlmostEqual(lower, 1.3)  # run by run
-        self.assertAlmostEqual(upper, 1.3)
-        self.assertIsNone(ranking.over(rows[0], rows[0]))
-        unpaired = ranked(group("a", [cell("best", 1.0, 6.0), cell("worse", 1.01, 6.0)]))
-        unpaired[1].cells[0]["rmse_over_bound"]["runs"].reverse()
-        for seed, run in enumerate(unpaired[1].cells[0]["rmse_over_bound"]["runs"], 1):
+        best, worse = ranked(group("a", [cell("best", 1.0, 6.0), cell("worse", 1.3, 12.0)]))
+        lower, upper = ranking.over(worse, best)
+        self.assertAlmostEqual(lower, 1.3 * 2 ** 0.5)  # the same in every run
+        self.assertAlmostEqual(upper, 1.3 * 2 ** 0.5)
+        self.assertIsNone(ranking.over(best, best))
+
+    def test_runs_in_which_now_one_and_now_the_other_is_better_do_not_tell(self):
+        best, other = ranked(group("a", [cell("best", 1.0, 6.0), cell("other", 1.01, 6.0)]))
+        runs = other.cells[0]["rmse_over_bound"]["runs"]
+        for seed, run in zip(range(10, 0, -1), runs):
             run["seed"] = seed
-        lower, upper = ranking.over(unpaired[1], unpaired[0])
+        lower, upper = ranking.over(other, best)
         self.assertLess(lower, 1.0)
         self.assertGreater(upper, 1.0)
+
+    def test_no_interval_with_few_runs_or_one_that_diverged(self):
+        best, other = ranked(group("a", [cell("best", 1.0, 6.0), cell("other", 1.3, 6.0)]))
+        other.cells[0]["rmse_over_bound"]["runs"].pop()
+        self.assertIsNone(ranking.over(other, best))
+        best.cells[0]["rmse_over_bound"]["runs"].pop()
+        self.assertIsNone(ranking.over(other, best))
 
     def test_a_batch_is_not_ranked_and_without_a_bound_nothing_is(self):
         cells = [cell("x", 1.0, 6.0), cell("y", 2.0, 6.0), cell("batch", 1.0, 6.0, "batch")]
