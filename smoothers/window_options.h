@@ -6,7 +6,7 @@
 namespace slammot {
 
 struct WindowOptions {
-  int frames = 10;           // camera states kept; older ones are marginalised
+  int frames = 20;           // camera states kept; older ones are marginalised
   int iterations = 20;       // Gauss-Newton steps a frame at most; 1 and one frame make it the EKF
   double negligible = 1e-2;  // a step that promises to lower chi-square by less is the last one
   std::string linearisation = "standard";  // standard | fej: first estimates, once a prior

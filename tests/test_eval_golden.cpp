@@ -66,6 +66,7 @@ TEST_P(Golden, FiguresFromBeforeTheWorkOnSpeedStay) {
   configuration.model.labels.name = "one_way";
   configuration.model.collapse = "drop";
   configuration.model.depth_prior = "stated";
+  configuration.window.frames = 10;
   configuration.window.iterations = 5;
   configuration.window.negligible = 1e-4;
   const Sequence sequence = select_frames(simulate("circle", {}, 1), 0, golden.back().frame, 1);
