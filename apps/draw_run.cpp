@@ -50,7 +50,9 @@ size_t frame_at(const Sequence& sequence, double timestamp) {
 class Painter {
  public:
   Painter(const Sequence& sequence, const StoredRun& run, const Path& landmarks)
-      : sequence_(sequence), landmarks_(landmarks_by_frame(landmarks)) {
+      : sequence_(sequence),
+        pixel_sigma_(run.pixel_sigma.value_or(sequence.pixel_sigma)),
+        landmarks_(landmarks_by_frame(landmarks)) {
     Positions path, points;
     for (const CameraEstimate& camera : run.run.filtered) path.push_back(camera.state.position);
     for (const LandmarkRecord& last : run.run.landmarks) {
@@ -63,8 +65,8 @@ class Painter {
   cv::Mat paint(const CameraEstimate& estimate, size_t i, const std::string& estimator) {
     const Frame& frame = sequence_.frames[i];
     const cv::Mat image = decode_image(sequence_.folder / sequence_.images[i]);
-    const PictureState state{sequence_.camera, sequence_.pixel_sigma, estimate,
-                             landmarks_[frame.index], frame.observations};
+    const PictureState state{sequence_.camera, pixel_sigma_, estimate, landmarks_[frame.index],
+                             frame.observations};
     path_.push_back(estimate.state.position);
     if (i < sequence_.truth.size() && sequence_.truth[i]) {
       truth_.push_back(sequence_.truth[i]->position);
@@ -82,6 +84,7 @@ class Painter {
 
  private:
   const Sequence& sequence_;
+  double pixel_sigma_;  // that the run was told
   std::map<int, std::vector<LandmarkEstimate>> landmarks_;
   MapPlane plane_;
   Positions path_, truth_;

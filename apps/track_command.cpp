@@ -81,6 +81,11 @@ int execute(TrackArguments arguments) {
     arguments.options.chessboard = parse_chessboard(arguments.chessboard);
   }
   Sequence images = read_images(arguments.images);
+  if (std::filesystem::exists(arguments.output) &&
+      std::filesystem::equivalent(arguments.images, arguments.output)) {
+    throw std::invalid_argument(
+        "--output is the folder of the images, whose files it would replace");
+  }
   if (!arguments.camera.empty()) {
     images.camera = read_camera_file(arguments.camera, read_text_file(arguments.camera));
   }

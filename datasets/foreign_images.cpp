@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 namespace slammot {
 
 Sequence foreign_sequence(const std::filesystem::path& folder) {
@@ -28,8 +30,17 @@ void require_frames(const std::filesystem::path& file, const Sequence& sequence)
 }
 
 std::string image_ending(const std::filesystem::path& folder, const std::string& stem) {
-  for (const char* ending : {".png", ".jpg", ".jpeg", ".pgm", ".tif", ".bmp"}) {
+  constexpr const char* kEndings[] = {".png", ".jpg", ".jpeg", ".pgm", ".tif", ".bmp"};
+  for (const char* ending : kEndings) {
     if (std::filesystem::exists(folder / (stem + ending))) return ending;
+  }
+  std::error_code none;  // no such folder has no such image
+  std::set<std::string> there;
+  for (const auto& file : std::filesystem::directory_iterator(folder, none)) {
+    if (file.path().stem().string().size() == stem.size()) there.insert(file.path().extension());
+  }
+  for (const char* ending : kEndings) {
+    if (there.contains(ending)) return ending;
   }
   return ".png";
 }

@@ -15,8 +15,8 @@ void add_image(const TextTable& table, double timestamp, std::string image, Sequ
 
 void require_frames(const std::filesystem::path& file, const Sequence& sequence);
 
-// The file name's ending, with the dot, of the images called `stem` + ending in a folder; `.png`
-// where there is none, so that what is missing can be named.
+// The file name's ending, with the dot, of the image called `stem` + ending in a folder; where that
+// one is missing, of the others; `.png` where there is none, so that what is missing can be named.
 std::string image_ending(const std::filesystem::path& folder, const std::string& stem);
 
 }  // namespace slammot

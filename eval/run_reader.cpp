@@ -146,6 +146,8 @@ void read_description(const Path& file, StoredRun& stored) {
     const YAML::Node configuration = root["configuration"];
     stored.landmark = configuration["landmark"].as<std::string>("");
     stored.gate_probability = configuration["gate.probability"].as<double>(0.95);
+    const double pixel_sigma = configuration["pixel_sigma"].as<double>(0.0);  // or "sequence"
+    if (pixel_sigma > 0.0) stored.pixel_sigma = pixel_sigma;
     const std::string sequence = root["sequence"]["path"].as<std::string>("");
     if (!sequence.empty()) stored.sequence = sequence;
   } catch (const YAML::Exception& error) {

@@ -18,6 +18,7 @@ struct StoredRun {
   std::string landmark;                           // its landmark model, likewise
   std::optional<std::filesystem::path> sequence;  // that it was made from
   double gate_probability = 0.95;
+  std::optional<double> pixel_sigma;  // [px], that it was made with
   RunResult run;
 };
 

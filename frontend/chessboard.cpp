@@ -67,7 +67,7 @@ Chessboard parse_chessboard(const std::string& text) {
   const int read =
       std::sscanf(text.c_str(), "%dx%d,%lf%n", &board.columns, &board.rows, &board.pitch, &used);
   if (read != 3 || static_cast<size_t>(used) != text.size() || board.columns < 3 ||
-      board.rows < 3 || !(board.pitch > 0.0)) {
+      board.rows < 3 || !(board.pitch > 0.0) || !std::isfinite(board.pitch)) {
     throw std::invalid_argument(fmt::format(
         "chessboard '{}': expected COLSxROWS,PITCH, as in 9x6,0.04 (inner corners, metres)", text));
   }

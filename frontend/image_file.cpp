@@ -18,6 +18,7 @@ using namespace std::string_view_literals;
 // Some writers pad a file, hence not the very last bytes.
 bool is_truncated(std::string_view bytes) {
   constexpr size_t kPadding = 512;
+  bytes = bytes.substr(0, bytes.find_last_not_of('\0') + 1);
   const std::string_view tail =
       bytes.size() > kPadding ? bytes.substr(bytes.size() - kPadding) : bytes;
   if (bytes.starts_with("\xFF\xD8"sv)) return tail.find("\xFF\xD9"sv) == tail.npos;

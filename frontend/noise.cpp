@@ -7,6 +7,8 @@
 namespace slammot {
 namespace {
 
+constexpr double kLeast =
+    0.01;  // [px]: no camera is better; images that repeat have no noise at all
 constexpr size_t kLeastPoints = 20;
 constexpr double kNormalMedian = 1.4826;  // sigma over the median of |d|
 constexpr double kCut = 3.0;              // [sigma] beyond it a point moves
@@ -123,7 +125,7 @@ std::optional<TrackNoise> measure_noise(const Sequence& sequence) {
   }
   if (sigmas.empty()) return std::nullopt;
   noise.pairs = static_cast<int>(sigmas.size());
-  noise.sigma = quantile(std::move(sigmas), 0.5);
+  noise.sigma = std::max(kLeast, quantile(std::move(sigmas), 0.5));
   return noise;
 }
 

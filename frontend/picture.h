@@ -3,8 +3,8 @@
 //
 // Blue: static, green: unknown, red: moving, cyan: predicted in the image but not found in it. An
 // ellipse is the landmark's own position covariance seen from the camera's estimate, plus the pixel
-// noise; what camera and landmark have in common is not known to a run folder, so it errs on the
-// large side.
+// noise. What camera and landmark have in common is not known to a run folder: it is too large
+// where both are uncertain together, and too small where the camera is the less certain.
 #pragma once
 
 #include <opencv2/core.hpp>

@@ -144,6 +144,12 @@ void track_all(const Sequence& images, const TrackOptions& options, TrackedImage
     }
   }
   if (sequence.frames.empty()) throw InputError(images.folder, 0, "no image can be read");
+  if (result.skipped.size() > sequence.frames.size()) {
+    throw InputError(
+        images.folder, 0,
+        fmt::format("{} of {} images cannot be used; the first: {}", result.skipped.size(),
+                    images.images.size(), result.skipped.front()));
+  }
   if (options.moving_start) {
     keep_known_only(board ? outer_corners(*options.chessboard).size() : 0, sequence.frames.front());
   }

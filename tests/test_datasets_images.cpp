@@ -94,6 +94,14 @@ TEST_F(Layout, KittiOdometryMovesTheTruthToItsCamera) {
   EXPECT_TRUE(sequence.prior && sequence.motion);
 }
 
+TEST_F(Layout, KittiWithoutItsFirstImageHasTheEndingOfTheOthers) {
+  put_kitti();
+  std::filesystem::remove(folder_.path() / "image_2/000000.png");
+  std::filesystem::remove(folder_.path() / "image_2/000001.png");
+  put("image_2/000001.jpg", "");
+  EXPECT_EQ(read().images[0], "image_2/000000.jpg");
+}
+
 TEST_F(Layout, KittiRawFromGps) {
   const std::string drive = "image_00/";
   put(drive + "timestamps.txt", "2011-09-26 13:02:25.000000000\n2011-09-26 13:02:26.000000000\n");

@@ -1,5 +1,6 @@
 // Images as they come: the program names what is wrong in one line and ends with 2, or leaves the
 // frame out and counts it; and the same measurements come from any number of threads.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -149,6 +150,41 @@ TEST_F(Images, NothingUsable) {
   EXPECT_NE(error_.find("no image can be read"), std::string::npos) << error_;
 }
 
+// Then the first one is the odd one out, not the others.
+TEST_F(Images, MostAreOfAnotherSize) {
+  cv::imwrite(image(0).string(), scene(0).colRange(0, 100));
+  test::write_text(sequence() / "sequence.yaml",
+                   "format: slammot-sequence-1\nname: small\npixel_sigma: 1\ncamera: {model: "
+                   "pinhole, width: 100, height: 120, fx: 100, fy: 100, cx: 49.5, cy: 59.5}\n");
+  EXPECT_EQ(track("--skip-bad-frames"), 2);
+  EXPECT_NE(error_.find("5 of 6 images cannot be used"), std::string::npos) << error_;
+}
+
+TEST_F(Images, PaddedWithZeros) {
+  std::filesystem::resize_file(image(3), std::filesystem::file_size(image(3)) + 5000);
+  EXPECT_EQ(track(), 0) << error_;
+}
+
+TEST_F(Images, OfWhichAllAreTheSame) {
+  for (int i = 0; i < kCount; ++i)
+    cv::imwrite(image(i).replace_extension(".png").string(), scene(0));
+  std::string frames = "frame,timestamp,image\n";
+  for (int i = 0; i < kCount; ++i) {
+    frames += fmt::format("{},{},i/{}.png\n", i, 0.1 * i, i);
+  }
+  test::write_text(sequence() / "frames.csv", frames);
+  ASSERT_EQ(track(), 0) << error_;
+  EXPECT_GE(read_native(output()).pixel_sigma, 0.01);
+}
+
+TEST_F(Images, AreNotReplacedByTheirMeasurements) {
+  const std::string frames = test::read_text(sequence() / "frames.csv");
+  EXPECT_EQ(slammot("track '" + sequence().string() + "' --output '" + sequence().string() + "'"),
+            2);
+  EXPECT_NE(error_.find("would replace"), std::string::npos) << error_;
+  EXPECT_EQ(test::read_text(sequence() / "frames.csv"), frames);
+}
+
 TEST_F(Images, UnreadableFolder) {
   std::filesystem::remove_all(sequence());
   EXPECT_EQ(track(), 2);
@@ -161,6 +197,8 @@ TEST_F(Images, NoChessboard) {
   EXPECT_EQ(track("--chessboard 9x6,0.04"), 2);
   EXPECT_NE(error_.find("no chessboard"), std::string::npos) << error_;
   EXPECT_EQ(track("--chessboard 9by6"), 2);
+  EXPECT_EQ(track("--chessboard 9x6,inf"), 2);
+  EXPECT_NE(error_.find("expected COLSxROWS"), std::string::npos) << error_;
 }
 
 TEST_F(Images, AMovingStartHasNoMeasurements) {
