@@ -6,12 +6,15 @@ hand what is seen where. A track belongs to an object if in a marked frame it li
 is there already is not computed again.
 """
 import collections
-import csv
 import json
 import math
 import pathlib
 import subprocess
 import sys
+import warnings
+
+import yaml
+from real_motion import residuals, rows_of
 
 HERE = pathlib.Path(__file__).resolve().parent / "real"
 SEQUENCES = {  # name: folder of DATA, arguments of `track`
@@ -22,11 +25,6 @@ SEQUENCES = {  # name: folder of DATA, arguments of `track`
     "kitti_traffic": ("kitti_traffic", ["--points", "150", "--velocity-sigma", "0.3"]),
     "kitti_traffic_moving_start": ("kitti_traffic", ["--points", "150", "--velocity-sigma", "0.3", "--moving-start"]),
 }
-
-
-def rows_of(path):
-    with path.open(encoding="utf-8", newline="") as lines:
-        return list(csv.DictReader(line for line in lines if not line.startswith("#")))
 
 
 def computed(program, data, output, name):
@@ -65,6 +63,14 @@ def counted(tracks, labels):
     return ", ".join(f"{counts[label]} {label}" for label in ("static", "moving", "unknown"))
 
 
+def at_rest_and_moved(tracked, run):
+    """The tracks of twenty frames and more that a point at rest explains within two of the stated sigmas, and that none does within ten."""
+    configuration = yaml.safe_load((run / "run.yaml").read_text(encoding="utf-8"))["configuration"]
+    sigma, last = float(configuration["pixel_sigma"]), int(configuration["frames.last"])
+    found = residuals(tracked, last if last >= 0 else math.inf, 20)
+    return [t for t, r in found.items() if r < 2 * sigma], [t for t, r in found.items() if r > 10 * sigma]
+
+
 def print_run(name, run, tracks, moves):
     metrics = json.loads((run / "metrics.json").read_text())
     accuracy = metrics["filtered"]["accuracy"]
@@ -85,11 +91,15 @@ def main(program, data, output, names):
         marked = [row for row in rows_of(HERE / "regions.csv") if row["sequence"] == SEQUENCES[name][0]]
         tracks = objects(tracked, marked)
         moves = {row["object"]: row["moves"] for row in marked}
-        for run in sorted(path.parent for path in compared.glob("*/metrics.json")):
+        runs = sorted(path.parent for path in compared.glob("*/metrics.json"))
+        at_rest, moved = at_rest_and_moved(tracked, runs[0]) if (tracked / "groundtruth.tum").exists() else ([], [])
+        for run in runs:
             print_run(name, run, tracks, moves)
+            print(f"   at rest by the true poses: {counted(at_rest, labels_of(run))}; moved: {counted(moved, labels_of(run))}")
 
 
 if __name__ == "__main__":
+    warnings.simplefilter("ignore")  # of fits that begin beside the lens
     if len(sys.argv) < 4:
         sys.exit(__doc__.splitlines()[0])
     main(*sys.argv[1:4], sys.argv[4:])
