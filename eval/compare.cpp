@@ -1,5 +1,7 @@
 #include "slammot/eval/compare.h"
 
+#include <fmt/format.h>
+
 #include <fstream>
 #include <set>
 #include <stdexcept>
@@ -92,7 +94,8 @@ std::vector<ComparedRun> crossed(const std::vector<std::string>& estimators,
   std::vector<ComparedRun> runs;
   for (const std::string& estimator : estimators) {
     for (const std::string& landmark : landmarks) {
-      runs.push_back({estimator + "-" + landmark, estimator, {{"landmark", landmark, 0}}});
+      runs.push_back(
+          {fmt::format("{}-{}", estimator, landmark), estimator, {{"landmark", landmark, 0}}});
     }
   }
   return runs;

@@ -94,7 +94,7 @@ std::vector<Assignment> read_assignments(const std::filesystem::path& file) {
 
 std::vector<Assignment> load_configuration(Configuration& configuration,
                                            const std::filesystem::path& file) {
-  const std::vector<Assignment> assignments = read_assignments(file);
+  std::vector<Assignment> assignments = read_assignments(file);
   for (const Assignment& assignment : assignments) {
     try {
       assign(configuration, assignment);

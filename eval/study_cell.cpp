@@ -1,5 +1,7 @@
 #include "slammot/eval/study_cell.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "slammot/eval/statistics.h"
@@ -64,7 +66,7 @@ void CellSummary::add_accuracy(const Json& run) {
   for (const std::string which : {"filtered", "smoothed"}) {
     if (run.at(which).is_null()) continue;
     for (const auto& [key, value] : run[which].items()) {
-      add_scalar(which + "_" + key, value);
+      add_scalar(fmt::format("{}_{}", which, key), value);
     }
   }
 }

@@ -116,7 +116,7 @@ void Batch::add_chain(BatchLandmark& l) {
   l.chain = std::make_shared<Chain>(Chain{&window_.functions_, {}});
   const int steps = l.life.pixels.back().first - l.life.birth;
   for (int i = 0; i < steps; ++i) {
-    const auto k = static_cast<std::size_t>(l.life.birth + i);
+    const auto k = static_cast<std::size_t>(l.life.birth) + static_cast<std::size_t>(i);
     l.chain->steps.push_back({timestamps_[k + 1] - timestamps_[k], Matrix6d::Zero()});
   }
   const auto count = static_cast<std::ptrdiff_t>(steps) + 1;

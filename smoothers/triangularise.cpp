@@ -7,6 +7,7 @@
 // LAPACK's QR in compact WY form, recursive within a panel (Elmroth & Gustavson 2000): matrix
 // products throughout, where Eigen's reflectors are vector by vector. The last arguments are the
 // hidden lengths of the character arguments.
+// NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 void dgeqrt_(const int* m, const int* n, const int* nb, double* a, const int* lda, double* t,
              const int* ldt, double* work, int* info);
@@ -14,6 +15,7 @@ void dgemqrt_(const char* side, const char* trans, const int* m, const int* n, c
               const int* nb, const double* v, const int* ldv, const double* t, const int* ldt,
               double* c, const int* ldc, double* work, int* info, std::size_t, std::size_t);
 }
+// NOLINTEND(readability-identifier-naming)
 
 namespace slammot {
 
