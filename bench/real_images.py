@@ -53,12 +53,9 @@ def objects(tracked, marked):
     return found
 
 
-def labels_of(run, frames=(0, math.inf)):
-    """The last label of each track within these frames."""
-    return {row["track"]: row["label"] for row in rows_of(run / "landmarks.csv") if frames[0] <= int(row["frame"]) <= frames[1]}
-
-
-def counted(tracks, labels):
+def counted(tracks, landmarks, frames=(0, math.inf)):
+    """The last labels of the tracks within these frames, counted."""
+    labels = {row["track"]: row["label"] for row in landmarks if frames[0] <= int(row["frame"]) <= frames[1]}
     counts = collections.Counter(labels[t] for t in tracks if t in labels)
     return ", ".join(f"{counts[label]} {label}" for label in ("static", "moving", "unknown"))
 
@@ -71,18 +68,20 @@ def at_rest_and_moved(tracked, run):
     return [t for t, r in found.items() if r < 2 * sigma], [t for t, r in found.items() if r > 10 * sigma]
 
 
-def print_run(name, run, tracks, moves):
+def print_run(name, run, tracks, moves, at_rest, moved):
     metrics = json.loads((run / "metrics.json").read_text())
     accuracy = metrics["filtered"]["accuracy"]
     print(f"{name} {run.name}: diverged {metrics['diverged']}, position RMSE {accuracy['position_rmse_m']:.4f} m, "
           f"ATE SE3 {accuracy['ate_se3_m']:.4f} Sim3 {accuracy['ate_sim3_m']:.4f} m, scale {accuracy['sim3_scale']:.3f}, "
           f"RPE {accuracy['rpe_1s_position_rmse_m']:.4f} m {accuracy['rpe_1s_rotation_rmse_deg']:.2f} deg, NIS {metrics['nis']['mean']:.2f}")
     print("   ms: " + ", ".join(f"{s['stage']} {s['median_ms']:.1f}" for s in metrics["runtime"]["stages"]))
+    landmarks = rows_of(run / "landmarks.csv")
     for thing, members in sorted(tracks.items()):
-        print(f"   {thing}: {counted(members, labels_of(run))}")
+        print(f"   {thing}: {counted(members, landmarks)}")
         if moves[thing]:
-            first, last = (int(frame) for frame in moves[thing].split("-"))
-            print(f"   {thing}, frames {first} to {last}, while it moves: {counted(members, labels_of(run, (first, last)))}")
+            frames = [int(frame) for frame in moves[thing].split("-")]
+            print(f"   {thing}, frames {moves[thing]}, while it moves: {counted(members, landmarks, frames)}")
+    print(f"   at rest by the true poses: {counted(at_rest, landmarks)}; moved: {counted(moved, landmarks)}")
 
 
 def main(program, data, output, names):
@@ -94,8 +93,7 @@ def main(program, data, output, names):
         runs = sorted(path.parent for path in compared.glob("*/metrics.json"))
         at_rest, moved = at_rest_and_moved(tracked, runs[0]) if (tracked / "groundtruth.tum").exists() else ([], [])
         for run in runs:
-            print_run(name, run, tracks, moves)
-            print(f"   at rest by the true poses: {counted(at_rest, labels_of(run))}; moved: {counted(moved, labels_of(run))}")
+            print_run(name, run, tracks, moves, at_rest, moved)
 
 
 if __name__ == "__main__":

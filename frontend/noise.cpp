@@ -7,8 +7,7 @@
 namespace slammot {
 namespace {
 
-constexpr double kLeast =
-    0.01;  // [px]: no camera is better; images that repeat have no noise at all
+constexpr double kLeast = 0.01;  // [px] images that repeat have no noise at all
 constexpr size_t kLeastPoints = 20;
 constexpr double kNormalMedian = 1.4826;  // sigma over the median of |d|
 constexpr double kCut = 3.0;              // [sigma] beyond it a point moves
