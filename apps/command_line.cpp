@@ -1,4 +1,4 @@
-#include "slammot/apps/command_line.h"
+#include "apps/command_line.h"
 
 #include <algorithm>
 #include <cctype>

@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <memory>
 
-#include "slammot/apps/command_line.h"
-#include "slammot/apps/commands.h"
-#include "slammot/apps/configuration_options.h"
-#include "slammot/apps/draw_run.h"
-#include "slammot/apps/progress.h"
-#include "slammot/apps/sequence_source.h"
-#include "slammot/datasets/reader.h"
-#include "slammot/eval/compare.h"
-#include "slammot/eval/metrics_table.h"
-#include "slammot/eval/registry.h"
-#include "slammot/eval/report_generator.h"
+#include "apps/command_line.h"
+#include "apps/commands.h"
+#include "apps/configuration_options.h"
+#include "apps/draw_run.h"
+#include "apps/progress.h"
+#include "apps/sequence_source.h"
+#include "datasets/readers/reader.h"
+#include "eval/compare/compare.h"
+#include "eval/configuration/registry.h"
+#include "eval/metrics/metrics_table.h"
+#include "eval/report/report_generator.h"
 
 namespace slammot {
 namespace {

@@ -1,4 +1,4 @@
-#include "slammot/apps/configuration_options.h"
+#include "apps/configuration_options.h"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "slammot/eval/configuration.h"
+#include "eval/configuration/configuration.h"
 
 namespace slammot {
 

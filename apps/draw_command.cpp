@@ -3,11 +3,11 @@
 
 #include <memory>
 
-#include "slammot/apps/commands.h"
-#include "slammot/apps/draw_run.h"
-#include "slammot/apps/progress.h"
-#include "slammot/datasets/reader.h"
-#include "slammot/eval/run_reader.h"
+#include "apps/commands.h"
+#include "apps/draw_run.h"
+#include "apps/progress.h"
+#include "datasets/readers/reader.h"
+#include "eval/result/run_reader.h"
 
 namespace slammot {
 namespace {

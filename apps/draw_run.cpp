@@ -1,4 +1,4 @@
-#include "slammot/apps/draw_run.h"
+#include "apps/draw_run.h"
 
 #include <fmt/format.h>
 
@@ -6,12 +6,12 @@
 #include <cmath>
 #include <map>
 
-#include "slammot/eval/pose_pairs.h"
-#include "slammot/eval/run_files.h"
-#include "slammot/eval/run_reader.h"
-#include "slammot/frontend/film.h"
-#include "slammot/frontend/image_file.h"
-#include "slammot/frontend/picture.h"
+#include "eval/metrics/pose_pairs.h"
+#include "eval/result/run_files.h"
+#include "eval/result/run_reader.h"
+#include "frontend/image_file.h"
+#include "frontend/rendering/film.h"
+#include "frontend/rendering/picture.h"
 
 namespace slammot {
 namespace {

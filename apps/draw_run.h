@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "slammot/datasets/sequence.h"
+#include "datasets/sequence/sequence.h"
 
 namespace slammot {
 

@@ -4,10 +4,10 @@
 #include <fstream>
 #include <memory>
 
-#include "slammot/apps/commands.h"
-#include "slammot/eval/evaluate.h"
-#include "slammot/eval/metrics_json.h"
-#include "slammot/eval/metrics_table.h"
+#include "apps/commands.h"
+#include "eval/metrics/metrics_json.h"
+#include "eval/metrics/metrics_table.h"
+#include "eval/run/evaluate.h"
 
 namespace slammot {
 namespace {

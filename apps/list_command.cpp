@@ -3,12 +3,12 @@
 
 #include <memory>
 
-#include "slammot/apps/commands.h"
-#include "slammot/datasets/image_reader.h"
-#include "slammot/datasets/reader.h"
-#include "slammot/datasets/scenario.h"
-#include "slammot/eval/model_names.h"
-#include "slammot/eval/registry.h"
+#include "apps/commands.h"
+#include "datasets/readers/image_reader.h"
+#include "datasets/readers/reader.h"
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/model_names.h"
+#include "eval/configuration/registry.h"
 
 namespace slammot {
 namespace {

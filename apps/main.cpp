@@ -3,10 +3,10 @@
 #include <exception>
 #include <stdexcept>
 
-#include "slammot/apps/command_line.h"
-#include "slammot/apps/commands.h"
-#include "slammot/datasets/sequence.h"
-#include "slammot/eval/process.h"
+#include "apps/command_line.h"
+#include "apps/commands.h"
+#include "datasets/sequence/sequence.h"
+#include "eval/run/process.h"
 
 namespace {
 

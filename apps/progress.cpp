@@ -1,4 +1,4 @@
-#include "slammot/apps/progress.h"
+#include "apps/progress.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

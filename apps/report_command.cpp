@@ -4,9 +4,9 @@
 #include <fstream>
 #include <memory>
 
-#include "slammot/apps/commands.h"
-#include "slammot/eval/report_generator.h"
-#include "slammot/eval/study_summary.h"
+#include "apps/commands.h"
+#include "eval/report/report_generator.h"
+#include "eval/study/study_summary.h"
 
 namespace slammot {
 namespace {

@@ -3,15 +3,15 @@
 
 #include <memory>
 
-#include "slammot/apps/command_line.h"
-#include "slammot/apps/commands.h"
-#include "slammot/apps/configuration_options.h"
-#include "slammot/apps/progress.h"
-#include "slammot/apps/sequence_source.h"
-#include "slammot/datasets/reader.h"
-#include "slammot/eval/metrics_table.h"
-#include "slammot/eval/registry.h"
-#include "slammot/eval/run_writer.h"
+#include "apps/command_line.h"
+#include "apps/commands.h"
+#include "apps/configuration_options.h"
+#include "apps/progress.h"
+#include "apps/sequence_source.h"
+#include "datasets/readers/reader.h"
+#include "eval/configuration/registry.h"
+#include "eval/metrics/metrics_table.h"
+#include "eval/result/run_writer.h"
 
 namespace slammot {
 namespace {

@@ -1,9 +1,9 @@
-#include "slammot/apps/sequence_source.h"
+#include "apps/sequence_source.h"
 
 #include <stdexcept>
 
-#include "slammot/datasets/native_writer.h"
-#include "slammot/datasets/reader.h"
+#include "datasets/native/native_writer.h"
+#include "datasets/readers/reader.h"
 
 namespace slammot {
 

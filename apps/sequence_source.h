@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "slammot/datasets/scenario.h"
-#include "slammot/eval/configuration.h"
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/configuration.h"
 
 namespace slammot {
 

@@ -3,11 +3,11 @@
 
 #include <memory>
 
-#include "slammot/apps/commands.h"
-#include "slammot/apps/sequence_source.h"
-#include "slammot/datasets/parameters.h"
-#include "slammot/datasets/scenario.h"
-#include "slammot/frontend/render.h"
+#include "apps/commands.h"
+#include "apps/sequence_source.h"
+#include "datasets/simulation/scenario.h"
+#include "datasets/simulation/scene/parameters.h"
+#include "frontend/rendering/render.h"
 
 namespace slammot {
 namespace {

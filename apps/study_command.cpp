@@ -5,12 +5,12 @@
 #include <memory>
 #include <thread>
 
-#include "slammot/apps/commands.h"
-#include "slammot/apps/progress.h"
-#include "slammot/eval/report_generator.h"
-#include "slammot/eval/study_driver.h"
-#include "slammot/eval/study_summary.h"
-#include "slammot/eval/study_view.h"
+#include "apps/commands.h"
+#include "apps/progress.h"
+#include "eval/report/report_generator.h"
+#include "eval/study/study_driver.h"
+#include "eval/study/study_summary.h"
+#include "eval/study/study_view.h"
 
 namespace slammot {
 namespace {

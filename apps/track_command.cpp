@@ -5,15 +5,15 @@
 #include <fstream>
 #include <memory>
 
-#include "slammot/apps/command_line.h"
-#include "slammot/apps/commands.h"
-#include "slammot/apps/progress.h"
-#include "slammot/datasets/image_reader.h"
-#include "slammot/datasets/native_settings.h"
-#include "slammot/datasets/native_writer.h"
-#include "slammot/datasets/text_table.h"
-#include "slammot/frontend/render.h"
-#include "slammot/frontend/track_images.h"
+#include "apps/command_line.h"
+#include "apps/commands.h"
+#include "apps/progress.h"
+#include "datasets/native/native_settings.h"
+#include "datasets/native/native_writer.h"
+#include "datasets/readers/image_reader.h"
+#include "datasets/text/text_table.h"
+#include "frontend/rendering/render.h"
+#include "frontend/tracking/track_images.h"
 
 namespace slammot {
 namespace {

@@ -3,9 +3,9 @@
 // it. Means over the whole run, because the map grows.
 #include <benchmark/benchmark.h>
 
-#include "slammot/bench/frame_times.h"
-#include "slammot/datasets/scenario.h"
-#include "slammot/eval/setup.h"
+#include "bench/frame_times.h"
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/setup.h"
 
 namespace slammot::bench {
 namespace {

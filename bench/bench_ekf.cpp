@@ -1,8 +1,8 @@
 // A frame of the EKF against the bare symmetric rank-2m update of its covariance.
 #include <benchmark/benchmark.h>
 
-#include "slammot/bench/corridor.h"
-#include "slammot/bench/frame_times.h"
+#include "bench/corridor.h"
+#include "bench/frame_times.h"
 
 namespace slammot::bench {
 namespace {

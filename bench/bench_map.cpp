@@ -2,8 +2,8 @@
 // 2000 of them, takes minutes to build, and is no part of scripts/bench.
 #include <benchmark/benchmark.h>
 
-#include "slammot/bench/corridor.h"
-#include "slammot/bench/frame_times.h"
+#include "bench/corridor.h"
+#include "bench/frame_times.h"
 
 namespace slammot::bench {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "slammot/bench/corridor.h"
-#include "slammot/bench/frame_times.h"
+#include "bench/corridor.h"
+#include "bench/frame_times.h"
 
 namespace slammot::bench {
 namespace {

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "slammot/datasets/scenario.h"
-#include "slammot/eval/configuration.h"
-#include "slammot/eval/nees.h"
-#include "slammot/eval/process.h"
-#include "slammot/eval/run.h"
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/configuration.h"
+#include "eval/metrics/nees.h"
+#include "eval/run/process.h"
+#include "eval/run/run.h"
 
 namespace {
 

@@ -1,9 +1,9 @@
-#include "slammot/bench/corridor.h"
+#include "bench/corridor.h"
 
 #include <cmath>
 
-#include "slammot/datasets/random_stream.h"
-#include "slammot/models/observation.h"
+#include "datasets/simulation/scene/random_stream.h"
+#include "models/observation.h"
 
 namespace slammot::bench {
 

@@ -3,8 +3,8 @@
 // frame measures the same number of landmarks; births and deaths come in every frame.
 #pragma once
 
-#include "slammot/eval/configuration.h"
-#include "slammot/models/estimator.h"
+#include "estimation/estimator.h"
+#include "eval/configuration/configuration.h"
 
 namespace slammot::bench {
 

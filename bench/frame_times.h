@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "slammot/bench/timing.h"
-#include "slammot/eval/registry.h"
-#include "slammot/eval/stage_clock.h"
+#include "bench/timing.h"
+#include "eval/configuration/registry.h"
+#include "eval/run/stage_clock.h"
 
 namespace slammot::bench {
 

@@ -1,7 +1,7 @@
 // All benchmarks of bench_*.cpp; scripts/bench makes a table of their ratios.
 #include <benchmark/benchmark.h>
 
-#include "slammot/eval/process.h"
+#include "eval/run/process.h"
 
 int main(int argc, char** argv) {
   slammot::prepare_process();

@@ -5,11 +5,11 @@
 #include <cstdio>
 #include <cstring>
 
-#include "slammot/datasets/scenario.h"
-#include "slammot/eval/configuration.h"
-#include "slammot/eval/process.h"
-#include "slammot/eval/registry.h"
-#include "slammot/eval/setup.h"
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/configuration.h"
+#include "eval/configuration/registry.h"
+#include "eval/configuration/setup.h"
+#include "eval/run/process.h"
 
 namespace {
 
@@ -120,7 +120,8 @@ Fingerprint run(const Case& c) {
 
 int main() {
   slammot::prepare_process();
-  std::printf("numbers          labels           accepted rejected unseen born  died  rho<0 size\n");
+  std::printf(
+      "numbers          labels           accepted rejected unseen born  died  rho<0 size\n");
   for (const Case& c : kCases) {
     const Fingerprint p = run(c);
     std::printf("%016llx %016llx %8ld %8ld %6ld %5ld %5ld %5ld %7ld  %s %s", p.numbers.value(),

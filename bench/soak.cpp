@@ -10,11 +10,11 @@
 #include <fstream>
 #include <string>
 
-#include "slammot/datasets/scenario.h"
-#include "slammot/eval/configuration.h"
-#include "slammot/eval/process.h"
-#include "slammot/eval/registry.h"
-#include "slammot/eval/setup.h"
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/configuration.h"
+#include "eval/configuration/registry.h"
+#include "eval/configuration/setup.h"
+#include "eval/run/process.h"
 
 namespace {
 

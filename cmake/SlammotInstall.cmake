@@ -18,11 +18,10 @@ install(FILES ${PROJECT_BINARY_DIR}/slammotConfig.cmake
               ${PROJECT_BINARY_DIR}/slammotConfigVersion.cmake
         DESTINATION ${SLAMMOT_CMAKE_DIR})
 
-foreach(folder models filters smoothers datasets frontend eval)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/
-          DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slammot/${folder}
-          FILES_MATCHING PATTERN "*.h")
-endforeach()
+install(CODE "
+  set(source [[${PROJECT_SOURCE_DIR}]])
+  set(destination [[${CMAKE_INSTALL_INCLUDEDIR}/slammot]])")
+install(SCRIPT ${CMAKE_CURRENT_LIST_DIR}/InstallHeaders.cmake)
 
 # Not byte code; studies only once there are some.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/eval/report

@@ -21,10 +21,6 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 
 include(GNUInstallDirs)
 
-# Headers are included as "slammot/models/...", in the build tree as after installation.
-file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/include)
-file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/include/slammot SYMBOLIC)
-
 function(slammot_compile_options target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow)
   if(SLAMMOT_WARNINGS_AS_ERRORS)
@@ -36,16 +32,23 @@ function(slammot_compile_options target)
   endif()
 endfunction()
 
-# slammot_library(models SOURCES a.cpp ... LINKS lib ...)
+# What nearly every file includes, read once for each target.
+set(SLAMMOT_PRECOMPILED <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <Eigen/QR> <algorithm> <cmath>
+    <filesystem> <functional> <map> <memory> <optional> <span> <stdexcept> <string> <vector>)
+
+# The library `name` of all sources in the calling folder and below it, so that adding a file is adding
+# a file: slammot_library(models LINKS lib ... PRIVATE_LINKS lib ...).
 function(slammot_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
-  add_library(slammot_${name} STATIC ${ARG_SOURCES})
+  cmake_parse_arguments(ARG "" "" "LINKS;PRIVATE_LINKS" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  add_library(slammot_${name} STATIC ${sources})
   add_library(slammot::${name} ALIAS slammot_${name})
   set_target_properties(slammot_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(slammot_${name} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(slammot_${name} PUBLIC cxx_std_20)
   target_link_libraries(slammot_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
+  target_precompile_headers(slammot_${name} PRIVATE ${SLAMMOT_PRECOMPILED})
   slammot_compile_options(slammot_${name})
   set_property(GLOBAL APPEND PROPERTY SLAMMOT_LIBRARIES slammot_${name})
 endfunction()

@@ -1,6 +1,6 @@
-#include "slammot/filters/ekf.h"
+#include "filters/ekf.h"
 
-#include "slammot/filters/ekf_estimator.h"
+#include "filters/ekf_estimator.h"
 
 namespace slammot {
 

@@ -7,9 +7,9 @@
 
 #include <memory>
 
-#include "slammot/filters/ekf_options.h"
-#include "slammot/models/estimator.h"
-#include "slammot/models/options.h"
+#include "estimation/estimator.h"
+#include "estimation/options.h"
+#include "filters/ekf_options.h"
 
 namespace slammot {
 

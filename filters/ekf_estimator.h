@@ -7,10 +7,10 @@
 #include <set>
 #include <vector>
 
-#include "slammot/filters/ekf.h"
-#include "slammot/filters/ekf_update.h"
-#include "slammot/models/classification.h"
-#include "slammot/models/depth_prior.h"
+#include "estimation/classification.h"
+#include "estimation/depth_prior.h"
+#include "filters/ekf.h"
+#include "filters/ekf_update.h"
 
 namespace slammot {
 

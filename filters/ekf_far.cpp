@@ -1,7 +1,7 @@
 // Which landmarks are in the far part (far_part.h), with the option `deferred`.
 #include <algorithm>
 
-#include "slammot/filters/ekf_estimator.h"
+#include "filters/ekf_estimator.h"
 
 namespace slammot {
 

@@ -1,10 +1,11 @@
 // The landmarks of the EKF: births, classification, deaths, and what is believed of them.
 #include <Eigen/Cholesky>
 
-#include "slammot/filters/ekf_estimator.h"
-#include "slammot/models/initialisation.h"
-#include "slammot/models/label_policy.h"
-#include "slammot/models/observation.h"
+#include "estimation/label_policy.h"
+#include "estimation/landmark_estimate.h"
+#include "filters/ekf_estimator.h"
+#include "models/initialisation.h"
+#include "models/observation.h"
 
 namespace slammot {
 
@@ -197,7 +198,7 @@ LandmarkEstimate Ekf::estimate(const FilterLandmark& landmark) const {
   belief.y = landmark.y;
   belief.w = landmark.w;
   belief.covariance = state_.marginal(landmark);
-  return landmark_.estimate(landmark.record, belief);
+  return landmark_estimate(landmark_, landmark.record, belief);
 }
 
 std::vector<LandmarkEstimate> Ekf::landmarks() const {

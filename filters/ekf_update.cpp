@@ -1,4 +1,4 @@
-#include "slammot/filters/ekf_update.h"
+#include "filters/ekf_update.h"
 
 #include <Eigen/LU>
 

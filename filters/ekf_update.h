@@ -2,10 +2,10 @@
 // measurements of a frame. Knows nothing of how landmarks move: all models observe alike.
 #pragma once
 
-#include "slammot/filters/growing_matrix.h"
-#include "slammot/filters/linearisation.h"
-#include "slammot/models/gate.h"
-#include "slammot/models/observation.h"
+#include "estimation/gate.h"
+#include "filters/covariance/growing_matrix.h"
+#include "filters/linearisation.h"
+#include "models/observation.h"
 
 namespace slammot {
 

@@ -1,9 +1,9 @@
-#include "slammot/filters/linearisation.h"
+#include "filters/linearisation.h"
 
 #include <stdexcept>
 
-#include "slammot/models/observation.h"
-#include "slammot/models/true_state.h"
+#include "models/landmarks/true_state.h"
+#include "models/observation.h"
 
 namespace slammot {
 

@@ -22,10 +22,10 @@
 #include <set>
 #include <string>
 
-#include "slammot/filters/joint_state.h"
-#include "slammot/models/initialisation.h"
-#include "slammot/models/landmark_models.h"
-#include "slammot/models/truth.h"
+#include "filters/covariance/joint_state.h"
+#include "models/initialisation.h"
+#include "models/landmarks/landmark_models.h"
+#include "models/truth.h"
 
 namespace slammot {
 

@@ -1,4 +1,4 @@
-#include "slammot/frontend/image_file.h"
+#include "frontend/image_file.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <string_view>
 
-#include "slammot/datasets/sequence.h"
-#include "slammot/datasets/text_table.h"
+#include "datasets/sequence/sequence.h"
+#include "datasets/text/text_table.h"
 
 namespace slammot {
 namespace {

@@ -1,4 +1,4 @@
-#include "slammot/models/camera.h"
+#include "models/camera.h"
 
 #include <stdexcept>
 

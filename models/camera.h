@@ -13,7 +13,7 @@
 #include <string_view>
 #include <variant>
 
-#include "slammot/models/lens.h"
+#include "models/lens.h"
 
 namespace slammot {
 

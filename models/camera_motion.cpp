@@ -1,4 +1,4 @@
-#include "slammot/models/camera_motion.h"
+#include "models/camera_motion.h"
 
 namespace slammot {
 

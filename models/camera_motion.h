@@ -12,7 +12,7 @@
 // The same holds for the rotation with `sigma_alpha` [rad/s^2].
 #pragma once
 
-#include "slammot/models/camera_state.h"
+#include "models/camera_state.h"
 
 namespace slammot {
 

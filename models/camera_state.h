@@ -5,7 +5,7 @@
 // length and the error state is [dr (W), dtheta (C, right), dv (W), domega (C)], 12 numbers.
 #pragma once
 
-#include "slammot/models/so3.h"
+#include "models/so3.h"
 
 namespace slammot {
 

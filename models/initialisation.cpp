@@ -1,4 +1,4 @@
-#include "slammot/models/initialisation.h"
+#include "models/initialisation.h"
 
 namespace slammot {
 

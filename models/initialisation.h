@@ -5,9 +5,9 @@
 // Jacobians; a smoother states the same as a bearing factor and priors.
 #pragma once
 
-#include "slammot/models/camera.h"
-#include "slammot/models/inverse_depth.h"
-#include "slammot/models/measurement.h"
+#include "models/camera.h"
+#include "models/inverse_depth.h"
+#include "models/measurement.h"
 
 namespace slammot {
 

@@ -9,7 +9,7 @@
 // apart, because all landmarks born in one frame share it exactly.
 #pragma once
 
-#include "slammot/models/camera_state.h"
+#include "models/camera_state.h"
 
 namespace slammot {
 

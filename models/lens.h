@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-#include "slammot/models/so3.h"
+#include "models/so3.h"
 
 namespace slammot {
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "slammot/models/camera_state.h"
+#include "models/camera_state.h"
 
 namespace slammot {
 

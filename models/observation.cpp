@@ -1,4 +1,4 @@
-#include "slammot/models/observation.h"
+#include "models/observation.h"
 
 namespace slammot {
 

@@ -2,8 +2,8 @@
 // R' (rho (a - r) + G), regular at rho = 0. All landmark models share it.
 #pragma once
 
-#include "slammot/models/camera.h"
-#include "slammot/models/inverse_depth.h"
+#include "models/camera.h"
+#include "models/inverse_depth.h"
 
 namespace slammot {
 

@@ -1,4 +1,4 @@
-#include "slammot/models/truth.h"
+#include "models/truth.h"
 
 namespace slammot {
 

@@ -5,8 +5,8 @@
 
 #include <map>
 
-#include "slammot/models/camera_state.h"
-#include "slammot/models/label.h"
+#include "models/camera_state.h"
+#include "models/label.h"
 
 namespace slammot {
 

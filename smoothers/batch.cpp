@@ -1,8 +1,8 @@
-#include "slammot/smoothers/batch.h"
+#include "smoothers/batch.h"
 
-#include "slammot/smoothers/ceres_solve.h"
-#include "slammot/smoothers/factors.h"
-#include "slammot/smoothers/window_estimator.h"
+#include "smoothers/graph/factors.h"
+#include "smoothers/solver/ceres_solve.h"
+#include "smoothers/window/window_estimator.h"
 
 namespace slammot {
 
@@ -194,7 +194,7 @@ LandmarkEstimate Batch::estimate(const BatchLandmark& l, const NormalEquations& 
   LandmarkForm made = landmark_form(graph_, l);
   const std::vector<LinearForm> forms{std::move(made.form)};
   made.belief.covariance = equations.covariances(forms).front();
-  LandmarkEstimate estimate = window_.functions_.estimate(l.life.record, made.belief);
+  LandmarkEstimate estimate = landmark_estimate(window_.functions_, l.life.record, made.belief);
   if (l.w) estimate.state_frame = l.life.record.last_frame;  // where its chain ends
   return estimate;
 }

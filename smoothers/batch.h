@@ -8,9 +8,9 @@
 
 #include <memory>
 
-#include "slammot/models/estimator.h"
-#include "slammot/models/options.h"
-#include "slammot/smoothers/window_options.h"
+#include "estimation/estimator.h"
+#include "estimation/options.h"
+#include "smoothers/window/window_options.h"
 
 namespace slammot {
 

@@ -1,0 +1,106 @@
+#include "datasets/native/native_reader.h"
+
+#include "datasets/native/native_format.h"
+#include "datasets/native/native_settings.h"
+#include "datasets/native/native_tables.h"
+#include "datasets/sequence/sha256.h"
+#include "datasets/text/text_table.h"
+
+namespace slammot {
+namespace {
+
+struct Source {
+  std::filesystem::path file;
+  std::string text;
+};
+
+// Reads the folder's files and keeps the hash of what was read.
+class Folder {
+ public:
+  explicit Folder(std::filesystem::path path) : path_(std::move(path)) {
+    if (!std::filesystem::is_directory(path_)) throw InputError(path_, 0, "no such folder");
+  }
+
+  Source required(std::string_view name) {
+    Source source{path_ / name, read_text_file(path_ / name)};
+    hash_.add(source.text);
+    return source;
+  }
+  std::optional<Source> optional(std::string_view name) {
+    if (!std::filesystem::exists(path_ / name)) return std::nullopt;
+    return required(name);
+  }
+  std::string sha256() const { return hash_.hex(); }
+
+ private:
+  std::filesystem::path path_;
+  Sha256 hash_;
+};
+
+Sequence settings_and_frames(Folder& folder, const std::filesystem::path& path) {
+  Sequence sequence;
+  sequence.folder = path;
+  const Source settings = folder.required(native::kSettings);
+  read_settings(settings.file, settings.text, sequence);
+  const Source frames = folder.required(native::kFrames);
+  read_frames(frames.file, frames.text, sequence);
+  return sequence;
+}
+
+Source observations_of(Folder& folder, const Sequence& sequence) {
+  if (auto source = folder.optional(native::kObservations)) return std::move(*source);
+  const std::string reason =
+      sequence.images.empty() ? "no such file" : "no such file; the images must be tracked first";
+  throw InputError(sequence.folder / native::kObservations, 0, reason);
+}
+
+void read_truth(Folder& folder, Sequence& sequence) {
+  const auto poses = folder.optional(native::kGroundTruth);
+  if (poses) sequence.truth = match_truth(read_poses(poses->file, poses->text), sequence.frames);
+  const auto landmarks = folder.optional(native::kLandmarks);
+  if (landmarks) {
+    sequence.landmarks = read_landmarks(landmarks->file, landmarks->text, sequence.frames.size());
+  }
+  sequence.exact_truth = poses && landmarks;  // only simulation knows every landmark
+}
+
+void read_first_camera(Folder& folder, Sequence& sequence) {
+  if (const auto initial = folder.optional(native::kInitial)) {
+    sequence.initial = read_initial(initial->file, initial->text);
+  }
+}
+
+}  // namespace
+
+Sequence read_native(const std::filesystem::path& path) {
+  Folder folder(path);
+  Sequence sequence = settings_and_frames(folder, path);
+  const Source observations = observations_of(folder, sequence);
+  read_observations(observations.file, observations.text, sequence.frames);
+  read_truth(folder, sequence);
+  if (const auto known = folder.optional(native::kKnown)) {
+    sequence.known = read_known(known->file, known->text);
+  }
+  read_first_camera(folder, sequence);
+  sequence.sha256 = folder.sha256();
+  return sequence;
+}
+
+Sequence read_native_images(const std::filesystem::path& path) {
+  Folder folder(path);
+  Sequence sequence = settings_and_frames(folder, path);
+  if (sequence.images.empty()) {
+    throw InputError(path / native::kFrames, 1, "there is no column 'image'");
+  }
+  const auto poses = folder.optional(native::kGroundTruth);
+  if (poses) sequence.truth = match_truth(read_poses(poses->file, poses->text), sequence.frames);
+  read_first_camera(folder, sequence);
+  return sequence;
+}
+
+bool is_native(const std::filesystem::path& folder) {
+  return std::filesystem::exists(folder / native::kSettings) ||
+         std::filesystem::exists(folder / native::kFrames);
+}
+
+}  // namespace slammot

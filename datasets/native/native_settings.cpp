@@ -1,0 +1,94 @@
+#include "datasets/native/native_settings.h"
+
+#include "datasets/native/native_format.h"
+#include "datasets/text/yaml_map.h"
+
+namespace slammot {
+namespace {
+
+Camera read_camera(YamlMap map) {
+  Camera camera;
+  const std::string model = map.text("model");
+  camera.width = map.positive_integer("width");
+  camera.height = map.positive_integer("height");
+  camera.fx = map.positive("fx");
+  camera.fy = map.positive("fy");
+  camera.cx = map.real("cx");
+  camera.cy = map.real("cy");
+  std::vector<double> distortion;
+  if (map.has("distortion")) distortion = map.list("distortion");
+  try {
+    camera.lens = make_lens(model, distortion);
+  } catch (const std::invalid_argument& error) {
+    map.refuse(map.take("model"), error.what());
+  }
+  map.finish();
+  return camera;
+}
+
+StatedMotion read_motion(YamlMap map) {
+  const StatedMotion motion{map.positive("acceleration"), map.positive("angular_acceleration")};
+  map.finish();
+  return motion;
+}
+
+LandmarkPrior read_prior(YamlMap map) {
+  LandmarkPrior prior;
+  prior.inverse_depth = map.real("inverse_depth");
+  prior.inverse_depth_sigma = map.positive("inverse_depth_sigma");
+  prior.max_speed = map.positive("max_speed");
+  if (map.has("acceleration")) prior.acceleration = map.real("acceleration");
+  if (prior.acceleration < 0.0) map.refuse(map.take("acceleration"), "'acceleration' is negative");
+  map.finish();
+  return prior;
+}
+
+void read_initial_sigmas(YamlMap map, InitialCamera& initial) {
+  initial.position_sigma = map.positive("position");
+  initial.rotation_sigma = map.positive("rotation");
+  initial.velocity_sigma = map.positive("velocity");
+  initial.angular_velocity_sigma = map.positive("angular_velocity");
+  map.finish();
+}
+
+}  // namespace
+
+void read_settings(const std::filesystem::path& file, const std::string& text, Sequence& sequence) {
+  YamlMap map = load_yaml(file, text);
+  if (map.text("format") != native::kFormat) {
+    map.refuse(map.take("format"), fmt::format("'format' must be '{}'", native::kFormat));
+  }
+  sequence.name = map.text("name");
+  sequence.camera = read_camera(map.map("camera"));
+  sequence.pixel_sigma = map.positive("pixel_sigma");
+  if (map.has("motion")) sequence.motion = read_motion(map.map("motion"));
+  if (map.has("prior")) sequence.prior = read_prior(map.map("prior"));
+  map.finish();
+}
+
+Camera read_camera_file(const std::filesystem::path& file, const std::string& text) {
+  return read_camera(load_yaml(file, text));
+}
+
+InitialCamera read_initial(const std::filesystem::path& file, const std::string& text) {
+  YamlMap map = load_yaml(file, text);
+  InitialCamera initial;
+  initial.state.position = map.vector<3>("position");
+  const auto q = unit_quaternion(Eigen::Quaterniond(map.vector<4>("quaternion")));
+  if (!q) map.refuse(map.take("quaternion"), "the quaternion has length zero");
+  initial.state.orientation = *q;
+  initial.state.velocity = map.vector<3>("velocity");
+  initial.state.angular_velocity = map.vector<3>("angular_velocity");
+  read_initial_sigmas(map.map("sigma"), initial);
+  map.finish();
+  return initial;
+}
+
+std::optional<Eigen::Quaterniond> unit_quaternion(const Eigen::Quaterniond& q) {
+  const double squared = q.squaredNorm();
+  if (squared < 1e-12) return std::nullopt;
+  constexpr double kRounding = 1e-15;
+  return std::abs(squared - 1.0) < kRounding ? q : q.normalized();
+}
+
+}  // namespace slammot

@@ -1,0 +1,21 @@
+// The two YAML files of the native folder. An unknown key is an error.
+#pragma once
+
+#include "datasets/sequence/sequence.h"
+
+namespace slammot {
+
+// sequence.yaml: name, camera, pixel sigma, and what is stated of motion and scene.
+void read_settings(const std::filesystem::path& file, const std::string& text, Sequence& sequence);
+
+// A file that holds nothing but a camera, as sequence.yaml has it under `camera`.
+Camera read_camera_file(const std::filesystem::path& file, const std::string& text);
+
+// initial.yaml.
+InitialCamera read_initial(const std::filesystem::path& file, const std::string& text);
+
+// A quaternion as it stands if its length is one to double precision, else normalised; nothing if
+// its length is zero.
+std::optional<Eigen::Quaterniond> unit_quaternion(const Eigen::Quaterniond& q);
+
+}  // namespace slammot

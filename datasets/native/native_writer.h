@@ -1,0 +1,14 @@
+// Writes a sequence as a native folder: what read_native() reads back is equal bit for bit, but for
+// the velocities of the truth, for which the format has no place.
+#pragma once
+
+#include "datasets/sequence/sequence.h"
+
+namespace slammot {
+
+// Makes the folder if need be and overwrites the files of a sequence in it; optional files that
+// this sequence does not have are removed. Frames are numbered 0, 1, 2...; throws
+// std::invalid_argument if they are not, std::runtime_error if a file cannot be written.
+void write_native(const Sequence& sequence, const std::filesystem::path& folder);
+
+}  // namespace slammot

@@ -1,0 +1,108 @@
+#include "datasets/readers/euroc_images.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+#include "datasets/native/native_settings.h"
+#include "datasets/readers/foreign_images.h"
+#include "datasets/text/yaml_map.h"
+
+namespace slammot {
+namespace {
+
+using Path = std::filesystem::path;
+
+constexpr double kNanosecond = 1e-9;  // [s]
+
+// The head of these files is a comment like any other.
+bool next_data_row(TextTable& table, size_t columns) {
+  while (table.next_comma_row(columns)) {
+    if (!table.field(0).starts_with('#')) return true;
+  }
+  return false;
+}
+
+struct CameraSensor {
+  Camera camera;
+  Eigen::Isometry3d T_body_camera;
+};
+
+Camera camera_of(YamlMap& map) {
+  const Eigen::Vector2d size = map.vector<2>("resolution");
+  const Eigen::Vector4d intrinsics = map.vector<4>("intrinsics");
+  Camera camera{static_cast<int>(size.x()),
+                static_cast<int>(size.y()),
+                intrinsics(0),
+                intrinsics(1),
+                intrinsics(2),
+                intrinsics(3),
+                PinholeLens{}};
+  const std::string model = map.text("distortion_model");
+  const std::string ours = model == "radial-tangential" ? "radtan" : model;
+  try {
+    camera.lens = make_lens(ours, map.list("distortion_coefficients"));
+  } catch (const std::invalid_argument& error) {
+    map.refuse(map.take("distortion_model"), error.what());
+  }
+  return camera;
+}
+
+// Keys beside these (rate, comment, ...) are of no use here.
+CameraSensor read_sensor(const Path& file) {
+  YamlMap map = load_yaml(file, read_text_file(file));
+  CameraSensor sensor{camera_of(map), Eigen::Isometry3d::Identity()};
+  const Eigen::Matrix<double, 16, 1> rows = map.map("T_BS").vector<16>("data");
+  sensor.T_body_camera.matrix() =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(rows.data());
+  return sensor;
+}
+
+std::vector<TimedPose> read_body_poses(const Path& file, const Eigen::Isometry3d& T_body_camera) {
+  const std::string text = read_text_file(file);
+  const std::string_view first = std::string_view(text).substr(0, text.find('\n'));
+  const auto columns = static_cast<size_t>(1 + std::count(first.begin(), first.end(), ','));
+  TextTable table(file, text);
+  if (columns < 8) throw InputError(file, 1, "expected a time, a position and a quaternion");
+  const Eigen::Quaterniond R_body_camera(T_body_camera.rotation());
+  std::vector<TimedPose> poses;
+  while (next_data_row(table, columns)) {
+    const Eigen::Quaterniond wxyz(table.real(4), table.real(5), table.real(6), table.real(7));
+    const auto q = unit_quaternion(wxyz);
+    if (!q) table.refuse("the quaternion has length zero");
+    const Eigen::Vector3d body(table.real(1), table.real(2), table.real(3));
+    poses.push_back({table.real(0) * kNanosecond, body + *q * T_body_camera.translation(),
+                     (*q * R_body_camera).normalized()});
+  }
+  return poses;
+}
+
+}  // namespace
+
+bool is_euroc(const Path& folder) {
+  return std::filesystem::is_regular_file(folder / "mav0" / "cam0" / "data.csv");
+}
+
+Sequence read_euroc(const Path& folder) {
+  Sequence sequence = foreign_sequence(folder);
+  const Path mav = folder / "mav0";
+  const Path file = mav / "cam0" / "data.csv";
+  const std::string text = read_text_file(file);
+  TextTable table(file, text);
+  while (next_data_row(table, 2)) {
+    add_image(table, table.real(0) * kNanosecond, "mav0/cam0/data/" + std::string(table.field(1)),
+              sequence);
+  }
+  require_frames(file, sequence);
+  const CameraSensor sensor = read_sensor(mav / "cam0" / "sensor.yaml");
+  sequence.camera = sensor.camera;
+  for (const char* name : {"state_groundtruth_estimate0", "mocap0"}) {
+    const Path truth = mav / name / "data.csv";
+    if (!std::filesystem::exists(truth)) continue;
+    sequence.truth =
+        interpolate_truth(read_body_poses(truth, sensor.T_body_camera), sequence.frames);
+    break;
+  }
+  return sequence;
+}
+
+}  // namespace slammot

@@ -1,0 +1,109 @@
+#include "datasets/readers/kitti_images.h"
+
+#include <fmt/format.h>
+
+#include "datasets/readers/foreign_images.h"
+
+namespace slammot {
+namespace {
+
+using Path = std::filesystem::path;
+
+std::optional<int> camera_number(const Path& folder) {
+  for (int n = 0; n < 4; ++n) {
+    if (std::filesystem::is_directory(folder / fmt::format("image_{}", n))) return n;
+  }
+  return std::nullopt;
+}
+
+std::vector<TimedPose> read_pose_rows(const Path& file, const Eigen::Vector3d& offset,
+                                      const std::vector<Frame>& frames) {
+  const std::string text = read_text_file(file);
+  TextTable table(file, text);
+  std::vector<TimedPose> poses;
+  while (table.next_blank_row(12)) {
+    if (poses.size() == frames.size()) table.refuse("more poses than times");
+    Eigen::Matrix<double, 3, 4> T;
+    for (int i = 0; i < 12; ++i) T(i / 4, i % 4) = table.real(static_cast<size_t>(i));
+    const Eigen::Matrix3d R = T.leftCols<3>();
+    if (!(std::abs(R.determinant() - 1.0) < 1e-2)) table.refuse("not a rotation");
+    poses.push_back({frames[poses.size()].timestamp, T.col(3) - R * offset,
+                     Eigen::Quaterniond(R).normalized()});
+  }
+  if (poses.size() < frames.size()) table.refuse("fewer poses than times");
+  return poses;
+}
+
+std::optional<Path> poses_file(const Sequence& sequence) {
+  const Path published = std::filesystem::absolute(sequence.folder / "..").lexically_normal();
+  for (const Path& file :
+       {sequence.folder / "poses.txt", published / ".." / "poses" / (sequence.name + ".txt")}) {
+    if (std::filesystem::exists(file)) return file;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::vector<double>> calibration_row(const Path& file, std::string_view text,
+                                                   std::string_view key, size_t numbers) {
+  TextTable table(file, text);
+  while (table.next_blank_row()) {
+    if (table.field(0) != std::string(key) + ":") continue;
+    table.check_count(numbers + 1);
+    std::vector<double> row;
+    for (size_t i = 1; i <= numbers; ++i) row.push_back(table.real(i));
+    return row;
+  }
+  return std::nullopt;
+}
+
+RectifiedCamera rectified_camera(const std::vector<double>& P) {
+  const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(P.data());
+  return {{0, 0, P[0], P[5], P[2], P[6], PinholeLens{}},
+          matrix.leftCols<3>().inverse() * matrix.col(3)};
+}
+
+void state_car(Sequence& sequence) {
+  sequence.motion = StatedMotion{3.0, 1.0};
+  LandmarkPrior prior;
+  prior.inverse_depth = 0.06;  // corners of a street lie 8 to 60 m away
+  prior.inverse_depth_sigma = 0.04;
+  prior.max_speed = 20.0;
+  prior.acceleration = 2.0;
+  sequence.prior = prior;
+}
+
+bool is_kitti(const Path& folder) {
+  return std::filesystem::is_regular_file(folder / "calib.txt") &&
+         std::filesystem::is_regular_file(folder / "times.txt") && camera_number(folder);
+}
+
+Sequence read_kitti(const Path& folder) {
+  Sequence sequence = foreign_sequence(folder);
+  const int camera = *camera_number(folder);
+  const std::string images = fmt::format("image_{}", camera);
+  const std::string ending = image_ending(folder / images, "000000");
+  const Path times = folder / "times.txt";
+  const std::string text = read_text_file(times);
+  TextTable table(times, text);
+  while (table.next_blank_row(1)) {
+    add_image(table, table.real(0),
+              fmt::format("{}/{:06}{}", images, sequence.frames.size(), ending), sequence);
+  }
+  require_frames(times, sequence);
+  const Path calibration = folder / "calib.txt";
+  const std::string key = fmt::format("P{}", camera);
+  const auto P = calibration_row(calibration, read_text_file(calibration), key, 12);
+  if (!P) throw InputError(calibration, 0, fmt::format("no row '{}:'", key));
+  const RectifiedCamera rectified = rectified_camera(*P);
+  sequence.camera = rectified.camera;
+  if (const auto poses = poses_file(sequence)) {
+    sequence.truth =
+        match_truth(read_pose_rows(*poses, rectified.offset, sequence.frames), sequence.frames);
+  }
+  state_car(sequence);
+  return sequence;
+}
+
+}  // namespace slammot

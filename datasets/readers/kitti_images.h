@@ -1,0 +1,36 @@
+// KITTI odometry: `calib.txt` (rows `P0: ` and 12 numbers), `times.txt`, `image_N/%06d.png` (the
+// first camera that has a folder), and the poses as `poses.txt` beside them or, as published, in
+// `../../poses/SEQUENCE.txt`.
+//
+// Rectified pinholes, z forward, y down. The poses are T_world_camera of camera 0, rows of 3x4
+// matrices; camera N stands at K^-1 P_N(:,4) before it, which is carried along. What is stated is
+// what holds for a car: see `state_car`.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "datasets/sequence/sequence.h"
+
+namespace slammot {
+
+bool is_kitti(const std::filesystem::path& folder);
+Sequence read_kitti(const std::filesystem::path& folder);
+
+// A row of a KITTI calibration file, `KEY: numbers`; nothing if the key is not there.
+std::optional<std::vector<double>> calibration_row(const std::filesystem::path& file,
+                                                   std::string_view text, std::string_view key,
+                                                   size_t numbers);
+
+// A rectified camera from its 3x4 projection matrix by rows, and its place t in x_N = x_0 + t.
+struct RectifiedCamera {
+  Camera camera;           // width and height 0: not known here
+  Eigen::Vector3d offset;  // t [m]
+};
+RectifiedCamera rectified_camera(const std::vector<double>& P);
+
+// Camera motion noise and a prior of depth and speed for a car in a street.
+void state_car(Sequence& sequence);
+
+}  // namespace slammot

@@ -1,0 +1,53 @@
+// A sequence in memory: what the camera measured, what its maker states, and the truth where known.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "models/camera.h"
+#include "models/measurement.h"
+#include "models/truth.h"
+
+namespace slammot {
+
+// sequence.yaml `motion`: sigmas of the camera's motion noise.
+struct StatedMotion {
+  double acceleration = 0.0;          // [m/s^2]
+  double angular_acceleration = 0.0;  // [rad/s^2]
+};
+
+struct Sequence {
+  std::string name;
+  Camera camera;
+  double pixel_sigma = 1.0;  // [px]
+  std::optional<StatedMotion> motion;
+  std::optional<LandmarkPrior> prior;
+  std::vector<Frame> frames;
+  std::vector<std::string>
+      images;  // as `frames`, relative to the folder; empty when there are none
+  std::vector<std::optional<CameraState>> truth;  // as `frames`: pose from groundtruth; velocities
+                                                  // are central differences, exact when simulated
+  std::map<int, TrueLandmark> landmarks;          // by track
+  std::vector<KnownLandmark> known;
+  std::optional<InitialCamera> initial;
+  bool exact_truth = false;  // true for simulated data, where NEES means something
+  std::filesystem::path folder;
+  std::string sha256;  // of the files read, in the order of FORMATS
+};
+
+// Every `step`-th frame from `first` to `last` (indices in `frames`, last included, negative: to
+// the end), with Frame::index as it was. What is stated of the camera before the first frame is
+// moved to `first` by the truth, or dropped where there is none. Throws std::invalid_argument if
+// step < 1.
+Sequence select_frames(Sequence sequence, int first, int last, int step);
+
+// Bad input: `what()` is one line, "file:line: reason"; line 0 is the file as a whole.
+struct InputError : std::runtime_error {
+  InputError(const std::filesystem::path& file, int line, const std::string& reason);
+};
+
+}  // namespace slammot

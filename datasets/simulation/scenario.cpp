@@ -1,0 +1,66 @@
+#include "datasets/simulation/scenario.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "datasets/simulation/circle.h"
+#include "datasets/simulation/helix.h"
+#include "datasets/simulation/matched.h"
+#include "datasets/simulation/move_stop_move.h"
+#include "datasets/simulation/scene/parameters.h"
+#include "datasets/simulation/square.h"
+
+namespace slammot {
+namespace {
+
+// A scenario is its options, their parameters(options) and a function of options and seed.
+template <typename Options, Sequence (*Run)(const Options&, std::uint64_t)>
+constexpr ScenarioRow scenario_row(std::string_view name, std::string_view description) {
+  return {name, description,
+          [](std::string_view scenario, const ScenarioOverrides& overrides, std::uint64_t seed) {
+            Options options;
+            apply(overrides, scenario, parameters(options));
+            return Run(options, seed);
+          },
+          [] {
+            Options options;
+            return describe(parameters(options));
+          }};
+}
+
+constexpr ScenarioRow kScenarios[] = {
+    scenario_row<CircleOptions, simulate_circle>(
+        "circle", "one loop and a third at a speed that is never constant (thesis 4.1a)"),
+    scenario_row<SquareOptions, simulate_square>(
+        "square", "four connected lines at constant speed (thesis 4.1b)"),
+    scenario_row<HelixOptions, simulate_helix>(
+        "helix", "39 known points, one static target, two movers (thesis 3.1)"),
+    scenario_row<HelixOptions, simulate_helix_unobservable>(
+        "helix_unobservable", "the same from a camera at constant velocity (thesis 3.1.4)"),
+    scenario_row<MoveStopMoveOptions, simulate_move_stop_move>(
+        "move_stop_move", "the circle with objects that stop and go, and some parked at first"),
+    scenario_row<MatchedOptions, simulate_matched>(
+        "matched", "everything drawn from the models themselves, to calibrate consistency"),
+};
+
+}  // namespace
+
+std::span<const ScenarioRow> scenario_table() { return kScenarios; }
+
+Sequence simulate(std::string_view scenario, const ScenarioOverrides& overrides,
+                  std::uint64_t seed) {
+  std::string known;
+  for (const ScenarioRow& row : scenario_table()) {
+    if (row.name != scenario) {
+      known += (known.empty() ? "" : ", ") + std::string(row.name);
+      continue;
+    }
+    Sequence sequence = row.simulate(row.name, overrides, seed);
+    sequence.name = fmt::format("{}-{}", scenario, seed);
+    return sequence;
+  }
+  throw std::invalid_argument(fmt::format("unknown scenario '{}' (known: {})", scenario, known));
+}
+
+}  // namespace slammot

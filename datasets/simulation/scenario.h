@@ -1,0 +1,41 @@
+// Simulated sequences by name. One file and one row add a scenario.
+//
+// Same scenario, overrides and seed: the same bytes. Frames: W with y down, camera x right, y down,
+// z forward; metres, radians, seconds, pixels.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "datasets/sequence/sequence.h"
+
+namespace slammot {
+
+// Values by key; `radius` and `circle.radius` are the same key of the scenario `circle`.
+using ScenarioOverrides = std::map<std::string, std::string>;
+
+struct ScenarioParameter {
+  std::string name;
+  std::string help;
+  std::string value;  // by default
+};
+
+struct ScenarioRow {
+  std::string_view name;
+  std::string_view description;
+  Sequence (*simulate)(std::string_view name, const ScenarioOverrides& overrides,
+                       std::uint64_t seed);
+  std::vector<ScenarioParameter> (*parameters)();
+};
+std::span<const ScenarioRow> scenario_table();
+
+// Throws std::invalid_argument for an unknown scenario or key, or a value that is not allowed. The
+// truth carries the exact velocities.
+Sequence simulate(std::string_view scenario, const ScenarioOverrides& overrides,
+                  std::uint64_t seed);
+
+}  // namespace slammot

@@ -1,0 +1,137 @@
+#include "datasets/simulation/scene/volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "datasets/simulation/scene/random_stream.h"
+
+namespace slammot {
+
+Parameters parameters(VolumeOptions& o) {
+  return {
+      {"static", "number of static points", &o.static_points, 0},
+      {"moving", "number of moving points", &o.moving_points, 0},
+      {"first_static", "static points placed in view of frame 0", &o.first_static, 0},
+      {"first_moving", "moving points allowed in view of frame 0", &o.first_moving, 0},
+      {"volume_width", "of the points, x and z [m]", &o.width, kAbove0},
+      {"volume_height", "of the points, y [m]", &o.height, kAbove0},
+      {"min_speed", "of moving points [m/s]", &o.min_speed, kAbove0},
+      {"max_speed", "of moving points [m/s]", &o.max_speed, kAbove0},
+      {"max_climb", "of moving points against the horizontal [deg]", &o.max_climb_deg, 0},
+  };
+}
+
+Parameters parameters(SceneOptions& o) {
+  return joined(joined(parameters(o.recording), parameters(o.volume)),
+                joined(parameters(o.known), parameters(o.statements)));
+}
+
+namespace {
+
+constexpr int kTries = 10000;  // to place a point that is, or is not, in view of the first frame
+
+struct Volume {
+  const SceneOptions& options;
+  Eigen::Vector3d centre;
+  Camera camera;
+  CameraState first;
+
+  Eigen::Vector3d draw(RandomStream& random) const {
+    const double x = random.uniform(-0.5, 0.5);
+    const double y = random.uniform(-0.5, 0.5);
+    const double z = random.uniform(-0.5, 0.5);
+    const VolumeOptions& v = options.volume;
+    return centre + Eigen::Vector3d(x * v.width, y * v.height, z * v.width);
+  }
+  bool in_first_frame(const ScenePoint& point) const {
+    return view(camera, options.recording, first, point.at(0.0)).has_value();
+  }
+};
+
+void add_static(const Volume& volume, RandomStream& random, std::vector<ScenePoint>& points) {
+  const VolumeOptions& options = volume.options.volume;
+  for (int i = 0; i < options.static_points; ++i) {
+    ScenePoint point{i, volume.draw(random)};
+    for (int k = 0; i < options.first_static && k < kTries && !volume.in_first_frame(point); ++k) {
+      point.position = volume.draw(random);
+    }
+    points.push_back(point);
+  }
+}
+
+Eigen::Vector3d draw_velocity(const VolumeOptions& options, RandomStream& random) {
+  const double speed = random.uniform(options.min_speed, options.max_speed);
+  const double azimuth = random.uniform(-std::numbers::pi, std::numbers::pi);
+  const double limit = options.max_climb_deg * std::numbers::pi / 180.0;
+  const double climb = random.uniform(-limit, limit);
+  return speed * Eigen::Vector3d(std::cos(climb) * std::sin(azimuth), -std::sin(climb),
+                                 std::cos(climb) * std::cos(azimuth));
+}
+
+// The schedule has a stream of its own: with and without stops, objects are the same otherwise.
+ScenePoint draw_moving(const Volume& volume, int track, RandomStream& random,
+                       RandomStream& schedules) {
+  const RecordingOptions& recording = volume.options.recording;
+  const double duration = recording.time(recording.frames);
+  ScenePoint point{track, volume.draw(random), draw_velocity(volume.options.volume, random)};
+  point.schedule = draw_schedule(volume.options.volume.stops, duration, schedules);
+  point.position -= point.velocity * point.travelled(random.uniform(0.0, duration));
+  return point;
+}
+
+void add_moving(const Volume& volume, RandomStream& random, RandomStream& schedules,
+                std::vector<ScenePoint>& points) {
+  const VolumeOptions& options = volume.options.volume;
+  int in_first_frame = 0;
+  for (int i = 0; i < options.moving_points; ++i) {
+    const int track = options.static_points + i;
+    ScenePoint point = draw_moving(volume, track, random, schedules);
+    for (int k = 0;
+         k < kTries && in_first_frame >= options.first_moving && volume.in_first_frame(point);
+         ++k) {
+      point = draw_moving(volume, track, random, schedules);
+    }
+    if (volume.in_first_frame(point)) ++in_first_frame;
+    points.push_back(point);
+  }
+}
+
+std::vector<ScenePoint> draw_points(const SceneOptions& options, const Eigen::Vector3d& centre,
+                                    const CameraState& first, std::uint64_t seed) {
+  const Volume volume{options, centre, simulated_camera(options.recording), first};
+  std::vector<ScenePoint> points;
+  RandomStream static_points(seed, "static points");
+  RandomStream moving_points(seed, "moving points"), schedules(seed, "schedules");
+  add_static(volume, static_points, points);
+  add_moving(volume, moving_points, schedules, points);
+  return points;
+}
+
+// From ten times as many points, another seed, and no more than the frames of a usual run.
+LandmarkPrior population_prior(SceneOptions options, const Eigen::Vector3d& centre,
+                               const std::vector<CameraState>& trajectory) {
+  constexpr std::uint64_t kSeed = 0;
+  constexpr int kFrames = 600, kTimes = 10;
+  RecordingOptions& recording = options.recording;
+  VolumeOptions& volume = options.volume;
+  const double usual = std::min(1.0, static_cast<double>(kFrames) / recording.frames);
+  recording.frames = std::min(recording.frames, kFrames);
+  volume.moving_points = static_cast<int>(volume.moving_points * usual) * kTimes;
+  volume.static_points *= kTimes;
+  return prior_of(record(recording, trajectory,
+                         draw_points(options, centre, trajectory.front(), kSeed), kSeed));
+}
+
+}  // namespace
+
+Sequence simulate_in_volume(const SceneOptions& options, const Eigen::Vector3d& centre,
+                            const std::vector<CameraState>& trajectory, std::uint64_t seed) {
+  const auto points = draw_points(options, centre, trajectory.front(), seed);
+  Sequence sequence = record(options.recording, trajectory, points, seed);
+  sequence.known = choose_known(options.known, sequence, seed);
+  state(options.statements, population_prior(options, centre, trajectory), seed, sequence);
+  return sequence;
+}
+
+}  // namespace slammot

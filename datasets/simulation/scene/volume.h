@@ -1,0 +1,41 @@
+// The scene of circle and square: static and moving points anywhere in a volume around the path.
+//
+// A moving point goes straight and passes through the volume at a random time of the run, so that
+// there are as many at its end as at its start; it goes for ever unless `stops` says otherwise.
+// Static points have tracks 0, 1, ...; moving ones follow.
+#pragma once
+
+#include "datasets/simulation/scene/known_landmarks.h"
+#include "datasets/simulation/scene/recording.h"
+#include "datasets/simulation/scene/statements.h"
+
+namespace slammot {
+
+struct VolumeOptions {
+  int static_points = 300;
+  int moving_points = 288;
+  int first_static = 12;                    // static points placed in view of the first frame
+  double width = 30.0;                      // x and z [m]
+  double height = 10.0;                     // y [m]
+  double min_speed = 1.0, max_speed = 2.0;  // of moving points [m/s]
+  double max_climb_deg = 10.0;              // of their direction against the horizontal
+  int first_moving = 0;  // moving points allowed in view of the first frame, whose landmarks enter
+                         // as static by rule; further ones are drawn again
+  StopOptions stops;     // of moving points; of scenarios without stops the default, none
+};
+Parameters parameters(VolumeOptions& options);
+
+struct SceneOptions {
+  RecordingOptions recording;
+  VolumeOptions volume;
+  KnownOptions known;
+  StatementOptions statements;
+};
+Parameters parameters(SceneOptions& options);
+
+// Places the points around `centre`, records them from the trajectory, and states what is true. The
+// prior stated is that of the population from which the points are drawn, the same for every seed.
+Sequence simulate_in_volume(const SceneOptions& options, const Eigen::Vector3d& centre,
+                            const std::vector<CameraState>& trajectory, std::uint64_t seed);
+
+}  // namespace slammot

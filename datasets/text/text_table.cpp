@@ -1,0 +1,122 @@
+#include "datasets/text/text_table.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+#include "datasets/sequence/sequence.h"
+
+namespace slammot {
+
+std::string read_text_file(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) throw InputError(file, 0, "no such file");
+  std::ifstream stream(file, std::ios::binary);
+  std::string text;
+  if (stream && std::filesystem::is_regular_file(file)) {
+    text.resize(std::filesystem::file_size(file));
+    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  } else {
+    stream.setstate(std::ios::failbit);
+  }
+  if (!stream) throw InputError(file, 0, "cannot be read");
+  return text;
+}
+
+TextTable::TextTable(std::filesystem::path file, std::string_view text)
+    : file_(std::move(file)), rest_(text) {}
+
+void TextTable::refuse(const std::string& reason) const { throw InputError(file_, line_, reason); }
+
+bool TextTable::next_line() {
+  if (rest_.empty()) return false;
+  const size_t end = rest_.find('\n');
+  current_ = rest_.substr(0, end);
+  rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
+  if (current_.ends_with('\r')) current_.remove_suffix(1);
+  ++line_;
+  return true;
+}
+
+void TextTable::check_count(size_t count) const {
+  if (fields_.size() == count) return;
+  refuse(fmt::format("expected {} fields, found {}", count, fields_.size()));
+}
+
+bool TextTable::next_comma_row(size_t count) {
+  if (!next_line()) return false;
+  fields_.clear();
+  for (std::string_view left = current_;;) {
+    const size_t comma = left.find(',');
+    fields_.push_back(left.substr(0, comma));
+    if (comma == std::string_view::npos) break;
+    left.remove_prefix(comma + 1);
+  }
+  check_count(count);
+  return true;
+}
+
+bool TextTable::next_blank_row() {
+  constexpr std::string_view blanks = " \t";
+  do {
+    if (!next_line()) return false;
+    current_ = current_.substr(0, current_.find('#'));
+  } while (current_.find_first_not_of(blanks) == std::string_view::npos);
+  fields_.clear();
+  for (size_t begin = current_.find_first_not_of(blanks); begin != std::string_view::npos;) {
+    const size_t end = current_.find_first_of(blanks, begin);
+    fields_.push_back(current_.substr(begin, end - begin));
+    begin = current_.find_first_not_of(blanks, end);
+  }
+  return true;
+}
+
+bool TextTable::next_blank_row(size_t count) {
+  if (!next_blank_row()) return false;
+  check_count(count);
+  return true;
+}
+
+size_t TextTable::expect_header(std::span<const std::string_view> headers) {
+  const bool any = next_line();
+  for (size_t i = 0; i < headers.size(); ++i) {
+    if (any && current_ == headers[i]) return i;
+  }
+  line_ = 1;
+  refuse(fmt::format("the first line must be '{}'", fmt::join(headers, "' or '")));
+}
+
+namespace {
+
+template <typename T>
+bool parse(std::string_view text, T& value) {
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc{} && stop == end;
+}
+
+}  // namespace
+
+double TextTable::real(size_t i) const {
+  double value = 0.0;
+  if (!parse(fields_[i], value)) refuse(fmt::format("'{}' is not a number", fields_[i]));
+  if (!std::isfinite(value)) refuse(fmt::format("'{}' is not a finite number", fields_[i]));
+  return value;
+}
+
+double TextTable::positive(size_t i) const {
+  const double value = real(i);
+  if (!(value > 0.0)) refuse(fmt::format("'{}' is not greater than zero", fields_[i]));
+  return value;
+}
+
+int TextTable::count(size_t i) const {
+  int value = 0;
+  if (!parse(fields_[i], value)) refuse(fmt::format("'{}' is not a whole number", fields_[i]));
+  if (value < 0) refuse(fmt::format("'{}' is negative", fields_[i]));
+  return value;
+}
+
+}  // namespace slammot

@@ -1,0 +1,120 @@
+// A YAML map whose every key must be known: take() each, then finish(). Refuses with file and line.
+#pragma once
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "datasets/sequence/sequence.h"
+
+namespace slammot {
+
+class YamlMap {
+ public:
+  YamlMap(std::filesystem::path file, const YAML::Node& node, std::string name)
+      : file_(std::move(file)), node_(node), name_(std::move(name)) {
+    if (!node_.IsMap()) refuse(node_, fmt::format("{} must be a map of keys to values", name_));
+    for (const auto& pair : node_) {
+      const std::string& key = pair.first.Scalar();
+      if (!present_.insert(key).second) refuse(pair.first, fmt::format("'{}' stands twice", key));
+    }
+  }
+
+  bool has(const std::string& key) {
+    asked_.insert(key);
+    return present_.count(key) > 0;
+  }
+
+  YAML::Node take(const std::string& key) {
+    if (!has(key)) refuse(node_, fmt::format("'{}' is missing in {}", key, name_));
+    return static_cast<const YAML::Node&>(node_)[key];
+  }
+
+  YamlMap map(const std::string& key) { return {file_, take(key), fmt::format("'{}'", key)}; }
+
+  std::string text(const std::string& key) {
+    const YAML::Node value = take(key);
+    if (!value.IsScalar()) refuse(value, fmt::format("'{}' must be one value", key));
+    return value.Scalar();
+  }
+
+  double real(const std::string& key) { return real_of(take(key), key); }
+
+  double positive(const std::string& key) {
+    const double value = real(key);
+    if (!(value > 0.0)) refuse(take(key), fmt::format("'{}' must be greater than zero", key));
+    return value;
+  }
+
+  int positive_integer(const std::string& key) {
+    const double value = positive(key);
+    if (value != std::floor(value) || value > 1e9) {
+      refuse(take(key), fmt::format("'{}' must be a whole number", key));
+    }
+    return static_cast<int>(value);
+  }
+
+  std::vector<double> list(const std::string& key) {
+    const YAML::Node values = take(key);
+    if (!values.IsSequence()) refuse(values, fmt::format("'{}' must be a list of numbers", key));
+    std::vector<double> numbers;
+    for (const auto& value : values) numbers.push_back(real_of(value, key));
+    return numbers;
+  }
+
+  template <int N>
+  Eigen::Matrix<double, N, 1> vector(const std::string& key) {
+    const std::vector<double> numbers = list(key);
+    if (numbers.size() != N) {
+      refuse(take(key), fmt::format("'{}' must have {} numbers, not {}", key, N, numbers.size()));
+    }
+    return Eigen::Map<const Eigen::Matrix<double, N, 1>>(numbers.data());
+  }
+
+  // After everything was taken: refuses the first key that nobody asked for.
+  void finish() const {
+    for (const auto& pair : node_) {
+      const std::string& key = pair.first.Scalar();
+      if (asked_.count(key) > 0) continue;
+      refuse(pair.first, fmt::format("unknown key '{}' in {} (known: {})", key, name_,
+                                     fmt::join(asked_, ", ")));
+    }
+  }
+
+  [[noreturn]] void refuse(const YAML::Node& at, const std::string& reason) const {
+    throw InputError(file_, at.Mark().line + 1, reason);
+  }
+
+ private:
+  double real_of(const YAML::Node& value, const std::string& key) const {
+    const std::string text = value.IsScalar() ? value.Scalar() : "";
+    double number = 0.0;
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, number);
+    if (error != std::errc{} || stop != end || text.empty()) {
+      refuse(value, fmt::format("'{}' must be a number, not '{}'", key, text));
+    }
+    if (!std::isfinite(number)) refuse(value, fmt::format("'{}' must be a finite number", key));
+    return number;
+  }
+
+  std::filesystem::path file_;
+  YAML::Node node_;
+  std::string name_;
+  std::set<std::string> present_;
+  std::set<std::string> asked_;
+};
+
+// A YAML file as a map; throws InputError with file and line for what is no YAML.
+inline YamlMap load_yaml(const std::filesystem::path& file, const std::string& text) {
+  try {
+    return {file, YAML::Load(text), "the file"};
+  } catch (const YAML::Exception& error) {
+    throw InputError(file, error.mark.line + 1, error.msg);
+  }
+}
+
+}  // namespace slammot

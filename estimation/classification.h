@@ -1,0 +1,60 @@
+// Static or moving? (thesis chapter 3.) A classifier looks at the belief about a landmark's motion
+// and says a label; one row of classifier_table() and one class adds one.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "estimation/options.h"
+#include "models/label.h"
+#include "models/landmarks/landmark_models.h"
+
+namespace slammot {
+
+// The marginal Gaussian of w (landmark.h), with w = 0 at rest.
+struct MotionBelief {
+  int track = 0;
+  Eigen::Vector3d w;
+  Eigen::Matrix3d covariance;
+  double prior_sigma = 1.0;    // of each component of w at birth
+  double density_scale = 1.0;  // |dw/dv|: density of v at rest = density_scale * density of w
+};
+
+// Density of a Gaussian (mean, covariance) at zero; 0 if the covariance is not positive definite.
+double density_at_zero(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance);
+
+// sqrt(mean' covariance^-1 mean), thesis (3.2); 0 if the covariance is not positive definite.
+double mahalanobis_from_zero(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance);
+
+class Classifier {
+ public:
+  virtual ~Classifier() = default;
+  // A landmark of the first frame is static, later ones are unknown (thesis, figure 4.5 frame 10).
+  virtual Label at_birth(int /*track*/, bool first_frame) const {
+    return first_frame ? Label::kStatic : Label::kUnknown;
+  }
+  // The label of a landmark that is unknown so far.
+  virtual Label decide(const MotionBelief& belief) const = 0;
+};
+
+struct ClassifierRow {
+  std::string_view name;
+  std::string_view description;
+  std::unique_ptr<Classifier> (*make)(const ClassifierOptions&, const std::map<int, Label>& truth);
+};
+std::span<const ClassifierRow> classifier_table();
+
+// The classifier options a landmark model leaves room for.
+inline ClassifierOptions classifier_for(const LandmarkFunctions& landmark,
+                                        ClassifierOptions options) {
+  if (!landmark.can_move) options.name = "all_static";
+  return options;
+}
+
+// Throws std::invalid_argument for an unknown name.
+std::unique_ptr<Classifier> make_classifier(const ClassifierOptions& options,
+                                            const std::map<int, Label>& true_labels);
+
+}  // namespace slammot

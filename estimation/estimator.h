@@ -1,0 +1,119 @@
+// The one interface between an estimator and everything that drives or judges it.
+//
+// An estimator is pure: no threads, files, clock, logging or globals. It is given frames in order
+// and asked what it believes. Stage timing is taken from outside through StageListener.
+#pragma once
+
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+#include "models/camera.h"
+#include "models/camera_motion.h"
+#include "models/label.h"
+#include "models/measurement.h"
+#include "models/truth.h"
+
+namespace slammot {
+
+inline constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
+
+// The sequence's own statements, after the configuration has overridden them.
+struct Setup {
+  Camera camera;
+  double pixel_sigma = 1.0;  // [px]
+  MotionNoise camera_noise;
+  LandmarkPrior prior;
+  InitialCamera initial;
+  std::vector<KnownLandmark> known;
+  std::map<int, Label> true_labels;    // by track; read by the classifier `truth` only
+  std::shared_ptr<const Truth> truth;  // read by linearisation `ideal` only; may be none
+};
+
+struct CameraEstimate {
+  double timestamp = 0.0;
+  CameraState state;
+  Matrix12d covariance = Matrix12d::Zero();  // of [dr (W), dtheta (C, right), dv (W), domega (C)]
+};
+
+// One landmark as believed after the newest frame. What is not defined is NaN, never zero: the
+// velocity of a landmark held static, and the position of one at infinity.
+struct LandmarkEstimate {
+  int track = 0;
+  Label label = Label::kUnknown;
+  bool from_first_frame = false;  // labelled static by rule, not by classification
+  int first_frame = 0;            // frame indices, as in Frame::index
+  int last_frame = 0;             // of the newest measurement used
+  std::optional<int> decision_frame;
+  std::optional<int> state_frame;  // of position and velocity, where it is not the newest frame
+  int observations = 0;            // measurements used, the first one included
+  Eigen::Vector3d position = Eigen::Vector3d::Constant(kUndefined);  // W [m]
+  Eigen::Vector3d velocity = Eigen::Vector3d::Constant(kUndefined);  // W [m/s]
+  Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Constant(kUndefined);
+  Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Constant(kUndefined);
+};
+
+// What happened in one frame.
+struct FrameReport {
+  int accepted = 0;     // measurements of landmarks in the state that passed the gate
+  int rejected = 0;     // those that did not
+  int out_of_view = 0;  // measured, but predicted behind the camera or far outside the image
+  int admitted = 0;     // landmarks born
+  std::vector<LandmarkEstimate> retired;  // the last word on each landmark removed
+  double nis_sum = 0.0;  // sum over the accepted of their 2-dof normalised innovation squared
+  int state_size = 0;    // dimension of the error state after the frame
+  int negative_inverse_depth = 0;  // landmarks believed behind infinity (legal, counted)
+};
+
+// The estimate is no longer a number, or its covariance no longer a covariance. The run ends, is
+// counted as diverged, and keeps what was computed before.
+struct Diverged : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Told when a stage of a frame begins; a stage ends when the next one begins or the frame ends.
+class StageListener {
+ public:
+  virtual ~StageListener() = default;
+  virtual void begin(std::string_view stage) = 0;
+};
+
+// For who does not time.
+class NoStages final : public StageListener {
+ public:
+  void begin(std::string_view) override {}
+};
+
+class Estimator {
+ public:
+  virtual ~Estimator() = default;
+
+  // Takes the next frame. Throws Diverged, or std::invalid_argument when its time does not
+  // increase.
+  virtual FrameReport process(const Frame& frame, StageListener& stages) = 0;
+
+  // The newest camera: the filtered estimate, for the smoother too.
+  virtual CameraEstimate camera() const = 0;
+
+  // Every landmark that is in the state now.
+  virtual std::vector<LandmarkEstimate> landmarks() const = 0;
+
+  // Those of them whose newest measurement is of frame `index`: cheaper where covariances cost.
+  virtual std::vector<LandmarkEstimate> landmarks_measured(int index) const {
+    std::vector<LandmarkEstimate> measured;
+    for (LandmarkEstimate& l : landmarks()) {
+      if (l.last_frame == index) measured.push_back(std::move(l));
+    }
+    return measured;
+  }
+
+  // Every camera so far as later frames have corrected it, oldest first; empty for a pure filter.
+  // Called once, after the last frame: a batch solves here.
+  virtual std::vector<CameraEstimate> smoothed(StageListener& /*stages*/) { return {}; }
+};
+
+}  // namespace slammot

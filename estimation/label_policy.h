@@ -1,0 +1,37 @@
+// Whether a label may be taken back.
+//
+// `one_way` is the thesis's rule (3.1.3): what has been decided stands. With `reversible` a static
+// landmark whose latest innovations reject it is unknown again, its motion's prior restored; and a
+// moving one is asked again in every frame, so that one that has stopped becomes static. A moving
+// point that is kept as static bends the whole map until it is lost.
+#pragma once
+
+#include "estimation/options.h"
+#include "estimation/track_policy.h"
+
+namespace slammot {
+
+// Whether the classifier is asked about this landmark in a frame that measured it.
+bool is_asked(const TrackRecord& record, const LabelOptions& options);
+
+// The answer of the classifier. A moving landmark only ever hears that it is static.
+void note_answer(TrackRecord& record, Label answer, int frame);
+
+// Whether anything is made of note_innovation().
+bool watches_innovations(const LabelOptions& options);
+
+// The NIS of a measurement of a static landmark given all other measurements of its frame; of one
+// that did not pass the gate, that of its innovation. One known beforehand stays static.
+void note_innovation(TrackRecord& record, double nis, const LabelOptions& options);
+
+// Whether the latest innovations reject that it is static: were it, each NIS would be
+// chi-square(2), and their sum over n frames chi-square(2n).
+bool is_rejected(const TrackRecord& record, const LabelOptions& options);
+
+// Static no more: unknown, as at its birth.
+void note_freed(TrackRecord& record);
+
+// P(chi-square(2n) > x) = exp(-x/2) sum_{k<n} (x/2)^k / k!, exact for even degrees of freedom.
+double chi_square_tail(double x, int n);
+
+}  // namespace slammot

@@ -1,0 +1,26 @@
+#include "estimation/landmark_estimate.h"
+
+#include "models/inverse_depth.h"
+
+namespace slammot {
+
+LandmarkEstimate landmark_estimate(const LandmarkFunctions& model, const TrackRecord& record,
+                                   const LandmarkBelief& belief) {
+  LandmarkEstimate result = report(record);
+  if (belief.y.z() == 0.0) return result;
+  Eigen::Matrix<double, 3, 6> J_position;
+  J_position << Eigen::Matrix3d::Identity(), position_jacobian(belief.y);
+  result.position = position_world(belief.anchor, belief.y);
+  result.position_covariance =
+      J_position * belief.covariance.topLeftCorner<6, 6>() * J_position.transpose();
+  if (belief.covariance.rows() == 9) {
+    const Vector6d x = (Vector6d() << belief.y, belief.w).finished();
+    const Matrix36d J_velocity = model.velocity_jacobian(x);
+    result.velocity = model.velocity(x);
+    result.velocity_covariance =
+        J_velocity * belief.covariance.bottomRightCorner<6, 6>() * J_velocity.transpose();
+  }
+  return result;
+}
+
+}  // namespace slammot

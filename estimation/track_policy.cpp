@@ -1,0 +1,66 @@
+#include "estimation/track_policy.h"
+
+#include <algorithm>
+
+namespace slammot {
+
+TrackRecord born(int track, int frame, Label label, bool first_frame, const LandmarkPrior& prior) {
+  TrackRecord record;
+  record.track = track;
+  record.label = label;
+  record.was_moving = label == Label::kMoving;
+  record.from_first_frame = first_frame;
+  record.first_frame = frame;
+  record.last_frame = frame;
+  record.observations = 1;
+  record.prior = prior;
+  if (label != Label::kUnknown) record.decision_frame = frame;
+  return record;
+}
+
+void note_accepted(TrackRecord& record, int frame) {
+  record.last_frame = frame;
+  ++record.observations;
+  record.unused_frames = 0;
+  record.rejected_in_row = 0;
+  record.missed = 0;
+}
+
+void note_unused(TrackRecord& record, bool in_view) { record.missed += in_view; }
+
+void note_rejected(TrackRecord& record) { ++record.rejected_in_row; }
+
+void note_decision(TrackRecord& record, Label label, int frame) {
+  if (label == record.label) return;
+  record.label = label;
+  record.was_moving = record.was_moving || label == Label::kMoving;
+  record.decision_frame = frame;
+}
+
+bool is_lost(const TrackRecord& record, const TrackPolicy& policy) {
+  if (record.rejected_in_row > policy.lost_after) return true;
+  if (record.missed > policy.missed_after) return true;
+  const bool kept_for_ever = record.label == Label::kStatic && policy.retain == "map";
+  return !kept_for_ever && record.unused_frames > policy.lost_after;
+}
+
+std::vector<Observation> admit(const std::vector<Observation>& candidates, int landmarks,
+                               int visible, const TrackPolicy& policy) {
+  const int room = std::min(policy.max_landmarks - landmarks, policy.max_visible - visible);
+  const auto count = std::min(candidates.size(), static_cast<std::size_t>(std::max(room, 0)));
+  return {candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
+LandmarkEstimate report(const TrackRecord& record) {
+  LandmarkEstimate estimate;
+  estimate.track = record.track;
+  estimate.label = record.label;
+  estimate.from_first_frame = record.from_first_frame;
+  estimate.first_frame = record.first_frame;
+  estimate.last_frame = record.last_frame;
+  estimate.decision_frame = record.decision_frame;
+  estimate.observations = record.observations;
+  return estimate;
+}
+
+}  // namespace slammot

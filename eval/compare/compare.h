@@ -1,0 +1,60 @@
+// Several estimators over one sequence, side by side: a run folder each, compare.json, and a table.
+//
+// compare.json (what report/compare_report.py reads; null where a number is not defined):
+//   format "slammot-compare-1", version, command,
+//   sequence {name, path, sha256, seed, frames, exact_truth, width, height, pixel_sigma}
+//   truth    {timestamp[], position[[x,y,z]], landmarks[{track, class, position[x,y,z],
+//   last[x,y,z]}]}
+//            `last` is where a moving landmark is at its last frame
+//   runs[]   {label, estimator, landmark, folder (relative), overrides{}, configuration{},
+//             metrics (as metrics.json, without the NEES series), series, smoothed_series (or
+//             null)}
+//   series   {stride, frame[], timestamp[], position[[x,y,z]], position_error_m[],
+//             rotation_error_deg[], nees_pose[], nees_position[], nees_rotation[], and for the
+//             filtered one nis_mean[], accepted[], rejected[], state_size[], frame_ms[]}
+//            every stride-th frame, at most about 2000.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "eval/metrics/metrics.h"
+#include "eval/result/run_writer.h"
+#include "eval/run/run.h"
+
+namespace slammot {
+
+struct ComparedRun {
+  std::string label;  // also the name of its folder
+  std::string estimator;
+  std::vector<Assignment> overrides;
+};
+
+struct CompareOptions {
+  std::filesystem::path output;
+  std::string command;
+  std::optional<std::uint64_t> seed;
+  bool landmarks_every_frame = false;
+  std::function<void(const std::string& label, int done, int total)> progress;  // may be empty
+};
+
+struct ComparedResult {
+  std::string label;
+  std::string estimator;
+  std::string landmark;
+  RunMetrics metrics;
+};
+
+// Each estimator with each landmark model, labelled `estimator-landmark`.
+std::vector<ComparedRun> crossed(const std::vector<std::string>& estimators,
+                                 const std::vector<std::string>& landmarks);
+
+// Runs all, in order, and writes the output folder.
+std::vector<ComparedResult> compare(const Sequence& sequence, const Configuration& configuration,
+                                    const std::vector<ComparedRun>& runs,
+                                    const CompareOptions& options);
+
+}  // namespace slammot

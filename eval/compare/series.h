@@ -1,0 +1,18 @@
+// What a report draws against time, decimated, as JSON; see compare.h for the fields.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/sequence/sequence.h"
+#include "eval/metrics/metrics.h"
+#include "eval/result/run_result.h"
+
+namespace slammot {
+
+nlohmann::ordered_json filtered_series(const Sequence& sequence, const RunResult& run,
+                                       const TrajectoryMetrics& metrics);
+nlohmann::ordered_json smoothed_series(const Sequence& sequence, const RunResult& run,
+                                       const TrajectoryMetrics& metrics);
+nlohmann::ordered_json truth_json(const Sequence& sequence);
+
+}  // namespace slammot

@@ -1,0 +1,92 @@
+// Everything a run can be told. One table of keys serves YAML files, `--set key=value`, `run.yaml`
+// and
+// `--help`; adding an option is one field and one row of that table (configuration_keys.cpp).
+//
+// Fields that override what the sequence states are optional: unset (text `sequence`) takes the
+// sequence's statement, or the model's default where it states nothing; see setup.h.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "estimation/options.h"
+#include "filters/ekf_options.h"
+#include "smoothers/window/window_options.h"
+
+namespace slammot {
+
+struct MotionConfiguration {
+  std::optional<double> acceleration;          // [m/s^2]
+  std::optional<double> angular_acceleration;  // [rad/s^2]
+  std::string discretisation = "white_noise";  // white_noise | impulse
+};
+
+struct PriorConfiguration {
+  std::optional<double> inverse_depth;        // [1/m]
+  std::optional<double> inverse_depth_sigma;  // [1/m]
+  std::optional<double> mean_sigma;           // [1/m]
+  std::optional<double> max_speed;            // [m/s]
+  std::optional<double> acceleration;         // [m/s^2]
+};
+
+struct InitialConfiguration {
+  std::optional<double> velocity_sigma;          // [m/s]
+  std::optional<double> angular_velocity_sigma;  // [rad/s]
+};
+
+// Frames of the sequence by their number, both ends included; last = -1 is the last one.
+struct FrameSelection {
+  int first = 0;
+  int last = -1;
+  int step = 1;
+};
+
+struct Configuration {
+  ModelOptions model;
+  EkfOptions ekf;
+  WindowOptions window;
+  MotionConfiguration motion;
+  PriorConfiguration prior;
+  InitialConfiguration initial;
+  std::optional<double> pixel_sigma;  // [px]
+  FrameSelection frames;
+};
+
+struct ConfigurationKey {
+  std::string name;
+  std::string help;
+  std::function<void(Configuration&, const std::string&)> set;  // std::invalid_argument: the reason
+  std::function<std::string(const Configuration&)> get;         // text that `set` takes back
+};
+
+const std::vector<ConfigurationKey>& configuration_keys();
+
+struct Assignment {
+  std::string key;
+  std::string value;
+  int line = 0;  // in a file; 0 on the command line
+};
+
+// `key=value`; throws std::invalid_argument where there is no `=`.
+Assignment parse_assignment(const std::string& text);
+
+// Throws std::invalid_argument: an unknown key (naming the nearest known ones) or a bad value.
+void assign(Configuration& configuration, const Assignment& assignment);
+
+// The assignments of a YAML file: nested maps are joined by dots, and `x: {name: y}` is `x: y`. Of
+// a `run.yaml` it is its `configuration`, so that a run can be repeated from it. Throws InputError.
+std::vector<Assignment> read_assignments(const std::filesystem::path& file);
+
+// Reads and assigns; throws InputError with file and line. Returns what was assigned.
+std::vector<Assignment> load_configuration(Configuration& configuration,
+                                           const std::filesystem::path& file);
+
+// All keys with their values, in the order of the table.
+std::vector<std::pair<std::string, std::string>> key_values(const Configuration& configuration);
+
+}  // namespace slammot

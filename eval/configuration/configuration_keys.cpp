@@ -1,0 +1,213 @@
+// The table of configuration keys: name, help, and how each is read from and written as text.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "eval/configuration/configuration.h"
+#include "eval/configuration/model_names.h"
+
+namespace slammot {
+namespace {
+
+// What a number may be. The text follows "must be".
+struct Range {
+  bool (*holds)(double);
+  const char* text;
+};
+constexpr Range kPositive{[](double x) { return x > 0.0; }, "greater than 0"};
+constexpr Range kNotNegative{[](double x) { return x >= 0.0; }, "at least 0"};
+constexpr Range kFromMinusOne{[](double x) { return x >= -1.0; }, "at least -1"};
+constexpr Range kInsideUnit{[](double x) { return x > 0.0 && x < 1.0; }, "between 0 and 1"};
+
+template <typename T>
+T parse_number(const std::string& text) {
+  T value{};
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || stop != end || !std::isfinite(static_cast<double>(value))) {
+    const bool whole = std::is_integral_v<T>;
+    throw std::invalid_argument(
+        fmt::format("'{}' is not {}", text, whole ? "a whole number" : "a finite number"));
+  }
+  return value;
+}
+
+template <typename T>
+T parse_in(const std::string& text, const Range& range) {
+  const T value = parse_number<T>(text);
+  if (!range.holds(static_cast<double>(value))) {
+    throw std::invalid_argument(fmt::format("'{}' must be {}", text, range.text));
+  }
+  return value;
+}
+
+std::string to_text(double value) { return fmt::format("{}", value); }  // shortest that reads back
+std::string to_text(int value) { return std::to_string(value); }
+std::string to_text(const std::optional<double>& value) {
+  return value ? to_text(*value) : "sequence";
+}
+
+void read(double& field, const std::string& text, const Range& range) {
+  field = parse_in<double>(text, range);
+}
+void read(int& field, const std::string& text, const Range& range) {
+  field = parse_in<int>(text, range);
+}
+void read(std::optional<double>& field, const std::string& text, const Range& range) {
+  field.reset();
+  if (text != "sequence") field = parse_in<double>(text, range);
+}
+
+// `field` maps a configuration, const or not, to a reference to one of its numbers.
+template <typename Field>
+ConfigurationKey number(std::string name, std::string help, Range range, Field field) {
+  return {std::move(name), std::move(help),
+          [=](Configuration& c, const std::string& text) { read(field(c), text, range); },
+          [=](const Configuration& c) -> std::string { return to_text(field(c)); }};
+}
+
+// One of a list of names, which may grow with the tables of models.
+template <typename Field>
+ConfigurationKey choice(std::string name, const std::string& help, std::vector<std::string> names,
+                        Field field) {
+  const std::string all = fmt::format("{}", fmt::join(names, ", "));
+  auto set = [=](Configuration& c, const std::string& text) {
+    if (std::find(names.begin(), names.end(), text) == names.end()) {
+      throw std::invalid_argument(fmt::format("'{}' is not one of {}", text, all));
+    }
+    field(c) = text;
+  };
+  return {std::move(name), fmt::format("{}: {}", help, all), set,
+          [=](const Configuration& c) -> std::string { return field(c); }};
+}
+
+template <typename Field>
+ConfigurationKey flag(std::string name, const std::string& help, Field field) {
+  auto set = [=](Configuration& c, const std::string& text) {
+    if (text != "true" && text != "false") {
+      throw std::invalid_argument(fmt::format("'{}' is not one of true, false", text));
+    }
+    field(c) = text == "true";
+  };
+  return {std::move(name), help + ": true, false", set,
+          [=](const Configuration& c) -> std::string { return field(c) ? "true" : "false"; }};
+}
+
+#define SLAMMOT_FIELD(path) \
+  [](auto& c) -> auto& { return c.path; }
+
+void append(std::vector<ConfigurationKey>& keys, std::vector<ConfigurationKey> more) {
+  keys.insert(keys.end(), more.begin(), more.end());
+}
+
+std::vector<ConfigurationKey> model_keys() {
+  return {
+      choice("landmark", "landmark model", names_of(landmark_list()),
+             SLAMMOT_FIELD(model.landmark)),
+      choice("collapse", "on static, marginalise the velocity or use v = 0", {"drop", "condition"},
+             SLAMMOT_FIELD(model.collapse)),
+      number("gate.probability", "of a correct measurement passing the gate", kInsideUnit,
+             SLAMMOT_FIELD(model.gate_probability)),
+      choice("classifier", "who labels the landmarks", names_of(classifier_list()),
+             SLAMMOT_FIELD(model.classifier.name)),
+      number("classifier.static_threshold", "thesis: t_s [(m/s)^-3]", kPositive,
+             SLAMMOT_FIELD(model.classifier.static_threshold)),
+      number("classifier.moving_threshold", "thesis: t_m", kPositive,
+             SLAMMOT_FIELD(model.classifier.moving_threshold)),
+      number("classifier.static_factor", "bayes_factor: static from these odds", kPositive,
+             SLAMMOT_FIELD(model.classifier.static_factor)),
+      number("classifier.moving_factor", "bayes_factor: moving below these odds", kPositive,
+             SLAMMOT_FIELD(model.classifier.moving_factor)),
+      choice("labels", "for ever (thesis), or taken back when innovations reject them",
+             {"one_way", "reversible"}, SLAMMOT_FIELD(model.labels.name)),
+      number("labels.window", "reversible: innovations that testify against a static label",
+             kPositive, SLAMMOT_FIELD(model.labels.window)),
+      number("labels.probability", "reversible: of a right static label being rejected in a frame",
+             kInsideUnit, SLAMMOT_FIELD(model.labels.probability)),
+      number("policy.max_landmarks", "landmarks in the state at once", kPositive,
+             SLAMMOT_FIELD(model.policy.max_landmarks)),
+      number("policy.max_visible", "no births while so many are being measured", kPositive,
+             SLAMMOT_FIELD(model.policy.max_visible)),
+      number("policy.lost_after", "frames without a measurement until lost", kPositive,
+             SLAMMOT_FIELD(model.policy.lost_after)),
+      number("policy.missed_after", "frames that should have shown it until a static one is lost",
+             kPositive, SLAMMOT_FIELD(model.policy.missed_after)),
+      choice("policy.retain", "static landmarks stay, or are lost too", {"map", "window"},
+             SLAMMOT_FIELD(model.policy.retain)),
+  };
+}
+
+std::vector<ConfigurationKey> statement_keys() {
+  return {
+      number("pixel_sigma", "measurement noise [px]", kPositive, SLAMMOT_FIELD(pixel_sigma)),
+      number("motion.acceleration", "camera noise [m/s^2]", kNotNegative,
+             SLAMMOT_FIELD(motion.acceleration)),
+      number("motion.angular_acceleration", "camera noise [rad/s^2]", kNotNegative,
+             SLAMMOT_FIELD(motion.angular_acceleration)),
+      choice("motion.discretisation", "of the camera's noise", names_of(motion_list()),
+             SLAMMOT_FIELD(motion.discretisation)),
+      choice("prior.source",
+             "rho0 and its sigma as stated, or learnt from the landmarks in view (map); auto: "
+             "learnt where a landmark is known beforehand",
+             {"auto", "stated", "map"}, SLAMMOT_FIELD(model.depth_prior)),
+      number("prior.inverse_depth", "rho0 of new landmarks [1/m]", kNotNegative,
+             SLAMMOT_FIELD(prior.inverse_depth)),
+      number("prior.inverse_depth_sigma", "its standard deviation [1/m]", kPositive,
+             SLAMMOT_FIELD(prior.inverse_depth_sigma)),
+      number(
+          "prior.mean_sigma",
+          "of rho0 itself, which is then learnt [1/m]; 0: rho0 is known; half of rho0 with the map",
+          kNotNegative, SLAMMOT_FIELD(prior.mean_sigma)),
+      number("prior.max_speed", "|v|max of landmarks; sigma_v is half of it [m/s]", kPositive,
+             SLAMMOT_FIELD(prior.max_speed)),
+      number("prior.acceleration", "noise of unknown and moving landmarks [m/s^2]", kNotNegative,
+             SLAMMOT_FIELD(prior.acceleration)),
+      number("initial.velocity_sigma", "of the camera's first velocity [m/s]", kNotNegative,
+             SLAMMOT_FIELD(initial.velocity_sigma)),
+      number("initial.angular_velocity_sigma", "of its first angular velocity [rad/s]",
+             kNotNegative, SLAMMOT_FIELD(initial.angular_velocity_sigma)),
+      number("frames.first", "number of the first frame used", kNotNegative,
+             SLAMMOT_FIELD(frames.first)),
+      number("frames.last", "number of the last frame used, -1: the sequence's last", kFromMinusOne,
+             SLAMMOT_FIELD(frames.last)),
+      number("frames.step", "2 uses every second frame", kPositive, SLAMMOT_FIELD(frames.step)),
+  };
+}
+
+std::vector<ConfigurationKey> estimator_keys() {
+  return {
+      choice("ekf.linearisation", "Jacobians at the estimate, the first estimate, or the truth",
+             {"standard", "fej", "ideal", "invariant"}, SLAMMOT_FIELD(ekf.linearisation)),
+      number("ekf.iterations", "1: EKF, more: iterated EKF", kPositive,
+             SLAMMOT_FIELD(ekf.iterations)),
+      flag("ekf.deferred", "landmarks out of view are updated when they return; exact",
+           SLAMMOT_FIELD(ekf.deferred)),
+      number("window.frames", "camera states kept", kPositive, SLAMMOT_FIELD(window.frames)),
+      number("window.iterations", "Gauss-Newton steps a frame at most", kPositive,
+             SLAMMOT_FIELD(window.iterations)),
+      number("window.negligible", "a step that promises to lower chi-square by less is the last",
+             kPositive, SLAMMOT_FIELD(window.negligible)),
+      choice("window.linearisation", "Jacobians at the estimate, the first estimate, or the truth",
+             {"standard", "fej", "ideal"}, SLAMMOT_FIELD(window.linearisation)),
+      choice("window.loss", "on the measurements", {"none", "huber"}, SLAMMOT_FIELD(window.loss)),
+  };
+}
+
+#undef SLAMMOT_FIELD
+
+}  // namespace
+
+const std::vector<ConfigurationKey>& configuration_keys() {
+  static const std::vector<ConfigurationKey> keys = [] {
+    std::vector<ConfigurationKey> all = model_keys();
+    append(all, statement_keys());
+    append(all, estimator_keys());
+    return all;
+  }();
+  return keys;
+}
+
+}  // namespace slammot

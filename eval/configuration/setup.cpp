@@ -1,0 +1,94 @@
+#include "eval/configuration/setup.h"
+
+#include "estimation/depth_prior.h"
+
+namespace slammot {
+namespace {
+
+InitialCamera initial_camera(const Sequence& sequence, const InitialConfiguration& overrides) {
+  InitialCamera initial;
+  if (sequence.initial) {
+    initial = *sequence.initial;
+  } else if (!sequence.truth.empty() && sequence.truth.front()) {
+    initial.state.position = sequence.truth.front()->position;
+    initial.state.orientation = sequence.truth.front()->orientation;
+  }
+  initial.velocity_sigma = overrides.velocity_sigma.value_or(initial.velocity_sigma);
+  initial.angular_velocity_sigma =
+      overrides.angular_velocity_sigma.value_or(initial.angular_velocity_sigma);
+  return initial;
+}
+
+MotionNoise motion_noise(const Sequence& sequence, const MotionConfiguration& overrides) {
+  MotionNoise noise;
+  if (sequence.motion) {
+    noise.acceleration = sequence.motion->acceleration;
+    noise.angular_acceleration = sequence.motion->angular_acceleration;
+  }
+  noise.acceleration = overrides.acceleration.value_or(noise.acceleration);
+  noise.angular_acceleration = overrides.angular_acceleration.value_or(noise.angular_acceleration);
+  noise.discretisation = overrides.discretisation == "impulse" ? NoiseDiscretisation::kImpulse
+                                                               : NoiseDiscretisation::kWhiteNoise;
+  return noise;
+}
+
+// A mean that is learnt, and of which nothing is said, is known to half of itself.
+LandmarkPrior landmark_prior(const Sequence& sequence, const Configuration& configuration) {
+  const PriorConfiguration& overrides = configuration.prior;
+  LandmarkPrior prior = sequence.prior.value_or(LandmarkPrior{});
+  prior.inverse_depth = overrides.inverse_depth.value_or(prior.inverse_depth);
+  prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
+  if (learns_depths(configuration.model.depth_prior, !sequence.known.empty()) &&
+      prior.mean_sigma == 0.0) {
+    prior.mean_sigma = 0.5 * prior.inverse_depth;
+  }
+  prior.mean_sigma = overrides.mean_sigma.value_or(prior.mean_sigma);
+  prior.max_speed = overrides.max_speed.value_or(prior.max_speed);
+  prior.acceleration = overrides.acceleration.value_or(prior.acceleration);
+  return prior;
+}
+
+// Only a simulated truth is exact enough to linearise at.
+std::shared_ptr<const Truth> truth_of(const Sequence& sequence) {
+  if (!sequence.exact_truth) return nullptr;
+  auto truth = std::make_shared<Truth>();
+  for (std::size_t i = 0; i < sequence.truth.size(); ++i) {
+    if (sequence.truth[i]) truth->cameras[sequence.frames[i].index] = *sequence.truth[i];
+  }
+  truth->landmarks = sequence.landmarks;
+  return truth;
+}
+
+}  // namespace
+
+Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
+  Setup setup;
+  setup.camera = sequence.camera;
+  setup.pixel_sigma = configuration.pixel_sigma.value_or(sequence.pixel_sigma);
+  setup.camera_noise = motion_noise(sequence, configuration.motion);
+  setup.prior = landmark_prior(sequence, configuration);
+  setup.initial = initial_camera(sequence, configuration.initial);
+  setup.known = sequence.known;
+  for (const auto& [track, landmark] : sequence.landmarks) {
+    setup.true_labels[track] = landmark.label;
+  }
+  if (configuration.ekf.linearisation == "ideal" || configuration.window.linearisation == "ideal") {
+    setup.truth = truth_of(sequence);
+  }
+  return setup;
+}
+
+Configuration resolve(const Sequence& sequence, Configuration configuration) {
+  const Setup setup = make_setup(sequence, configuration);
+  configuration.model.depth_prior =
+      learns_depths(configuration.model.depth_prior, !setup.known.empty()) ? "map" : "stated";
+  configuration.pixel_sigma = setup.pixel_sigma;
+  configuration.motion.acceleration = setup.camera_noise.acceleration;
+  configuration.motion.angular_acceleration = setup.camera_noise.angular_acceleration;
+  configuration.prior = {setup.prior.inverse_depth, setup.prior.inverse_depth_sigma,
+                         setup.prior.mean_sigma, setup.prior.max_speed, setup.prior.acceleration};
+  configuration.initial = {setup.initial.velocity_sigma, setup.initial.angular_velocity_sigma};
+  return configuration;
+}
+
+}  // namespace slammot

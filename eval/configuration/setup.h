@@ -1,0 +1,20 @@
+// From a sequence and a configuration to what an estimator is told. Order of precedence: the
+// configuration, then the sequence's statement, then the model's default.
+//
+// The first camera (FORMATS, initial.yaml): as stated; else the first ground-truth pose, which
+// fixes the frame of reference; else the origin. Without a statement it is at rest with pose sigma
+// 1e-6.
+#pragma once
+
+#include "datasets/sequence/sequence.h"
+#include "estimation/estimator.h"
+#include "eval/configuration/configuration.h"
+
+namespace slammot {
+
+Setup make_setup(const Sequence& sequence, const Configuration& configuration);
+
+// The configuration with every `sequence` replaced by the number that is used, for run.yaml.
+Configuration resolve(const Sequence& sequence, Configuration configuration);
+
+}  // namespace slammot

@@ -1,0 +1,82 @@
+#include "eval/metrics/accuracy.h"
+
+#include <numbers>
+
+#include "eval/metrics/alignment.h"
+#include "eval/statistics/statistics.h"
+
+namespace slammot {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+// T_a^-1 T_b.
+CameraState between(const CameraState& a, const CameraState& b) {
+  CameraState relative;
+  relative.orientation = a.orientation.conjugate() * b.orientation;
+  relative.position = a.orientation.conjugate() * (b.position - a.position);
+  return relative;
+}
+
+void add_relative_errors(const std::vector<PosePair>& pairs, double interval, Accuracy& result) {
+  std::vector<double> positions, rotations;
+  const double slack = 1e-6;  // a second is a second, also when timestamps are rounded
+  size_t j = 0;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const double until = pairs[i].estimate.timestamp + interval - slack;
+    while (j < pairs.size() && pairs[j].estimate.timestamp < until) ++j;
+    if (j == pairs.size()) break;
+    const CameraState error = between(between(pairs[i].truth, pairs[j].truth),
+                                      between(pairs[i].estimate.state, pairs[j].estimate.state));
+    positions.push_back(error.position.norm());
+    rotations.push_back(log_so3(error.orientation).norm() * kDegrees);
+  }
+  result.relative_pairs = static_cast<int>(positions.size());
+  result.relative_position_rmse = root_mean_square(positions);
+  result.relative_rotation_rmse_deg = root_mean_square(rotations);
+}
+
+void add_aligned_errors(const std::vector<PosePair>& pairs, Accuracy& result) {
+  std::vector<Eigen::Vector3d> estimate, truth;
+  for (const PosePair& pair : pairs) {
+    estimate.push_back(pair.estimate.state.position);
+    truth.push_back(pair.truth.position);
+  }
+  const Similarity se3 = align(estimate, truth, AlignmentGroup::kSE3);
+  const Similarity sim3 = align(estimate, truth, AlignmentGroup::kSim3);
+  result.ate_se3 = absolute_trajectory_error(estimate, truth, se3);
+  result.ate_sim3 = absolute_trajectory_error(estimate, truth, sim3);
+  result.scale = sim3.scale;
+}
+
+}  // namespace
+
+double position_error(const PosePair& pair) {
+  return (pair.truth.position - pair.estimate.state.position).norm();
+}
+
+double rotation_error_deg(const PosePair& pair) {
+  const Eigen::Quaterniond relative =
+      pair.estimate.state.orientation.conjugate() * pair.truth.orientation;
+  return log_so3(relative).norm() * kDegrees;
+}
+
+Accuracy accuracy(const std::vector<PosePair>& pairs, double relative_interval) {
+  std::vector<double> positions, rotations;
+  for (const PosePair& pair : pairs) {
+    positions.push_back(position_error(pair));
+    rotations.push_back(rotation_error_deg(pair));
+  }
+  Accuracy result;
+  result.poses = static_cast<int>(pairs.size());
+  result.position_rmse = root_mean_square(positions);
+  result.position_max = maximum(positions);
+  if (!positions.empty()) result.position_final = positions.back();
+  result.rotation_rmse_deg = root_mean_square(rotations);
+  result.rotation_max_deg = maximum(rotations);
+  add_aligned_errors(pairs, result);
+  add_relative_errors(pairs, relative_interval, result);
+  return result;
+}
+
+}  // namespace slammot

@@ -1,0 +1,34 @@
+// How far an estimated trajectory is from the true one: without alignment (when the scale and the
+// first pose are known), after alignment (ATE), and over one second (RPE).
+//
+// Position error |r_true - r_est| [m]; rotation error |Log(R_est' R_true)| [deg]. RPE after Sturm
+// et al. 2012: E = (T_i^-1 T_j)^-1 (T^_i^-1 T^_j), j the first frame at least `interval` after i.
+#pragma once
+
+#include <vector>
+
+#include "eval/metrics/pose_pairs.h"
+
+namespace slammot {
+
+struct Accuracy {
+  int poses = 0;
+  double position_rmse = 0.0;   // [m]
+  double position_max = 0.0;    // [m]
+  double position_final = 0.0;  // [m]
+  double rotation_rmse_deg = 0.0;
+  double rotation_max_deg = 0.0;
+  double ate_se3 = 0.0;   // [m], RMSE after SE(3) alignment
+  double ate_sim3 = 0.0;  // [m], RMSE after Sim(3) alignment
+  double scale = 1.0;     // of the Sim(3) alignment: true size over estimated size
+  int relative_pairs = 0;
+  double relative_position_rmse = 0.0;  // [m] over one second
+  double relative_rotation_rmse_deg = 0.0;
+};
+
+Accuracy accuracy(const std::vector<PosePair>& pairs, double relative_interval = 1.0);
+
+double position_error(const PosePair& pair);      // [m]
+double rotation_error_deg(const PosePair& pair);  // [deg]
+
+}  // namespace slammot

@@ -1,0 +1,63 @@
+// Every metric of DESIGN section 6 that one run allows.
+//
+// What cannot be known is absent, with a reason: accuracy without truth, NEES without exact truth
+// (NEES against a measured truth measures the truth as well) or without a covariance.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "datasets/sequence/sequence.h"
+#include "eval/metrics/accuracy.h"
+#include "eval/metrics/classification_table.h"
+#include "eval/metrics/landmark_metrics.h"
+#include "eval/metrics/nees.h"
+#include "eval/metrics/runtime.h"
+#include "eval/result/run_result.h"
+
+namespace slammot {
+
+template <typename T>
+struct Known {
+  std::optional<T> value;
+  std::string reason;  // why there is none
+};
+
+struct TrajectoryMetrics {
+  Known<Accuracy> accuracy;
+  Known<PoseConsistency> consistency;
+};
+
+struct NisMetrics {
+  int dof = 2;
+  double mean = 0.0;      // of the accepted measurements
+  double expected = 0.0;  // of a consistent filter, given that the gate cuts the tail off
+};
+
+struct Coverage {
+  int frames_offered = 0;
+  int frames_done = 0;
+  int offered = 0;  // measurements of landmarks in the state: accepted + rejected + out of view
+  int accepted = 0;
+  int rejected = 0;
+  int out_of_view = 0;
+  int admitted = 0;
+  int lost = 0;
+  int negative_inverse_depth = 0;  // sum over the frames
+};
+
+struct RunMetrics {
+  std::optional<Divergence> diverged;
+  TrajectoryMetrics filtered;
+  std::optional<TrajectoryMetrics> smoothed;  // of an estimator that smooths
+  Known<LandmarkErrors> landmark_errors;
+  Known<LandmarkConsistency> landmark_consistency;
+  ClassificationMetrics classification;
+  NisMetrics nis;
+  Coverage coverage;
+  RuntimeMetrics runtime;
+};
+
+RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, double gate_probability);
+
+}  // namespace slammot

@@ -1,0 +1,64 @@
+#include "eval/metrics/nees.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "eval/statistics/chi_square.h"
+#include "eval/statistics/statistics.h"
+
+namespace slammot {
+
+double nees(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance) {
+  constexpr double kFailure = std::numeric_limits<double>::infinity();
+  if (!error.allFinite() || !covariance.allFinite()) return kFailure;
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(covariance);
+  if (cholesky.info() != Eigen::Success) return kFailure;
+  const double value = cholesky.matrixL().solve(error).squaredNorm();
+  return std::isfinite(value) ? value : kFailure;
+}
+
+NeesSummary summarise_nees(const std::vector<double>& samples, int dof) {
+  const Interval interval = nees_interval(dof);
+  NeesSummary s;
+  s.dof = dof;
+  s.used = static_cast<int>(samples.size());
+  int inside = 0;
+  for (const double x : samples) {
+    s.failures += std::isfinite(x) ? 0 : 1;
+    inside += x >= interval.lower && x <= interval.upper ? 1 : 0;
+  }
+  s.mean = mean(samples);
+  s.median = median(samples);
+  s.q95 = quantile(samples, 0.95);
+  s.lower = interval.lower;
+  s.upper = interval.upper;
+  s.fraction_inside = s.used == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                  : static_cast<double>(inside) / static_cast<double>(s.used);
+  return s;
+}
+
+PoseConsistency pose_consistency(const std::vector<PosePair>& pairs) {
+  PoseConsistency result;
+  std::vector<double> pose, position, rotation;
+  for (size_t i = 1; i < pairs.size(); ++i) {
+    const PosePair& pair = pairs[i];
+    const Vector12d error = boxminus(pair.truth, pair.estimate.state);
+    const Matrix12d& P = pair.estimate.covariance;
+    const PoseNees sample{pair.frame, pair.estimate.timestamp,
+                          nees(error.head<6>(), P.topLeftCorner<6, 6>()),
+                          nees(error.segment<3>(kPosition), P.block<3, 3>(kPosition, kPosition)),
+                          nees(error.segment<3>(kRotation), P.block<3, 3>(kRotation, kRotation))};
+    pose.push_back(sample.pose);
+    position.push_back(sample.position);
+    rotation.push_back(sample.rotation);
+    result.series.push_back(sample);
+  }
+  result.pose = summarise_nees(pose, 6);
+  result.position = summarise_nees(position, 3);
+  result.rotation = summarise_nees(rotation, 3);
+  return result;
+}
+
+}  // namespace slammot

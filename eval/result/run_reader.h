@@ -1,0 +1,30 @@
+// Reads a run folder back, also one made elsewhere: `trajectory.tum` is enough.
+//
+// Without pose_covariance.csv the covariances are NaN (no NEES); without the other files there are
+// no landmarks, classification or timing. Throws InputError with file, line and reason.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "datasets/sequence/sequence.h"
+#include "eval/result/run_result.h"
+
+namespace slammot {
+
+struct StoredRun {
+  std::string estimator;                          // empty where run.yaml is missing
+  std::string landmark;                           // its landmark model, likewise
+  std::optional<std::filesystem::path> sequence;  // that it was made from
+  double gate_probability = 0.95;
+  std::optional<double> pixel_sigma;  // [px], that it was made with
+  RunResult run;
+};
+
+StoredRun read_run(const std::filesystem::path& folder);
+
+// All rows of a landmarks.csv, in their order; none if there is no such file.
+std::vector<LandmarkRecord> read_landmark_rows(const std::filesystem::path& file);
+
+}  // namespace slammot

@@ -1,0 +1,84 @@
+// What one run of one estimator over one sequence leaves behind. Plain data: produced by run.h or
+// read back by run_reader.h, judged by metrics.h, written by run_writer.h.
+//
+// A covariance that is not known is NaN, as in models/estimator.h.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimation/estimator.h"
+
+namespace slammot {
+
+struct StageTime {
+  int frame = 0;
+  std::string stage;  // `total` is the whole frame
+  double milliseconds = 0.0;
+  int state_size = 0;
+};
+
+// What happened in a frame, or the sums over frames (state_size: the largest).
+struct FrameCounts {
+  int accepted = 0;
+  int rejected = 0;
+  int out_of_view = 0;
+  int admitted = 0;
+  int lost = 0;
+  int negative_inverse_depth = 0;
+  int state_size = 0;
+  double nis_sum = 0.0;  // over the accepted
+};
+
+struct LandmarkRecord {
+  int frame = 0;  // the estimate is what was believed after this frame
+  LandmarkEstimate estimate;
+};
+
+// A landmark that had to be classified: neither known beforehand nor labelled by rule.
+struct ClassificationRecord {
+  int track = 0;
+  std::optional<Label> truth;  // when it was last measured, see label_truth.h
+  Label label = Label::kUnknown;
+  std::optional<int> decision_frame;
+  int observations = 0;  // used up to the decision, or in all where there is none
+};
+
+// One landmark in a frame in which it was measured, for error over observed frames (thesis
+// figure 4.2).
+struct LandmarkSample {
+  int track = 0;
+  int frame = 0;
+  int observations = 0;
+  Label label = Label::kUnknown;       // that it had
+  Label truth = Label::kStatic;        // its class
+  Label motion = Label::kStatic;       // what it was in this frame
+  double position_error = kUndefined;  // [m]
+  double velocity_error = kUndefined;  // [m/s]
+  double position_nees = kUndefined;   // 3
+  double velocity_nees = kUndefined;   // 3
+};
+
+struct Divergence {
+  int frame = 0;
+  std::string reason;
+};
+
+struct RunResult {
+  int frames_offered = 0;
+  std::vector<int> frames;                  // index of each frame done
+  std::vector<CameraEstimate> filtered;     // after each of them
+  std::vector<FrameCounts> counts;          // likewise; empty when read back
+  std::vector<CameraEstimate> smoothed;     // empty for a pure filter
+  std::vector<LandmarkRecord> landmarks;    // every track's newest landmark, see LandmarkHistory
+  std::vector<LandmarkRecord> every_frame;  // all of every frame, where asked for
+  std::vector<ClassificationRecord> classification;
+  std::vector<LandmarkSample> samples;
+  std::vector<StageTime> timing;
+  double smoothing_ms = 0.0;  // after the last frame
+  FrameCounts totals;
+  std::optional<Divergence> diverged;
+};
+
+}  // namespace slammot

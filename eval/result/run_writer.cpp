@@ -1,0 +1,153 @@
+#include "eval/result/run_writer.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "eval/metrics/metrics_json.h"
+#include "eval/result/run_files.h"
+
+namespace slammot {
+namespace {
+
+using Path = std::filesystem::path;
+
+std::ofstream open(const Path& file) {
+  std::ofstream stream(file, std::ios::binary);
+  stream.exceptions(std::ios::badbit | std::ios::failbit);
+  return stream;
+}
+
+// 17 significant digits read back to the same double; `nan` has no sign.
+std::string text(double value) { return std::isnan(value) ? "nan" : fmt::format("{:.17g}", value); }
+
+template <typename Vector>
+std::string joined(const Vector& values, const char* separator) {
+  std::string line;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    if (i > 0) line += separator;
+    line += text(values[i]);
+  }
+  return line;
+}
+
+template <typename Matrix>
+std::string upper_triangle(const Matrix& m) {
+  std::string line;
+  for (Eigen::Index row = 0; row < m.rows(); ++row) {
+    for (Eigen::Index col = row; col < m.cols(); ++col) {
+      line += ',';
+      line += text(m(row, col));
+    }
+  }
+  return line;
+}
+
+std::string triangle_head(const std::string& prefix, int size) {
+  std::string line;
+  for (int row = 1; row <= size; ++row) {
+    for (int col = row; col <= size; ++col) line += fmt::format(",{}{}{}", prefix, row, col);
+  }
+  return line;
+}
+
+void write_trajectory(const Path& file, const std::vector<CameraEstimate>& cameras,
+                      const char* which) {
+  std::ofstream out = open(file);
+  out << "# " << which << " camera: timestamp tx ty tz qx qy qz qw, T_WC [s, m]\n";
+  for (const CameraEstimate& camera : cameras) {
+    const Eigen::Vector4d q = camera.state.orientation.coeffs();  // x y z w
+    out << text(camera.timestamp) << ' ' << joined(camera.state.position, " ") << ' '
+        << joined(q, " ") << '\n';
+  }
+}
+
+void write_covariances(const Path& file, const std::vector<CameraEstimate>& cameras) {
+  std::ofstream out = open(file);
+  out << "# covariance of the error [dr (W) m, dtheta (C, right: R_true = R_est Exp(dtheta)) rad]\n"
+      << "timestamp" << triangle_head("p", 6) << '\n';
+  for (const CameraEstimate& camera : cameras) {
+    out << text(camera.timestamp) << upper_triangle(camera.covariance.topLeftCorner<6, 6>())
+        << '\n';
+  }
+}
+
+void write_landmarks(const Path& file, const std::vector<LandmarkRecord>& landmarks) {
+  std::ofstream out = open(file);
+  out << "# as believed after `frame`, W [m, m/s]; covariances of true minus estimated; nan: not "
+         "defined\n"
+      << "track,frame,label,x,y,z,vx,vy,vz" << triangle_head("p", 3) << triangle_head("v", 3)
+      << '\n';
+  for (const LandmarkRecord& record : landmarks) {
+    const LandmarkEstimate& e = record.estimate;
+    out << e.track << ',' << record.frame << ',' << to_string(e.label) << ','
+        << joined(e.position, ",") << ',' << joined(e.velocity, ",")
+        << upper_triangle(e.position_covariance) << upper_triangle(e.velocity_covariance) << '\n';
+  }
+}
+
+void write_classification(const Path& file, const std::vector<ClassificationRecord>& records) {
+  std::ofstream out = open(file);
+  out << "# landmarks that had to be classified: not those known or of the first frame;\n"
+      << "# observations: used until the decision, or in all where there is none\n"
+      << "track,truth,label,frame,observations\n";
+  for (const ClassificationRecord& r : records) {
+    out << r.track << ',' << (r.truth ? to_string(*r.truth) : "-") << ',' << to_string(r.label)
+        << ',' << (r.decision_frame ? std::to_string(*r.decision_frame) : "") << ','
+        << r.observations << '\n';
+  }
+}
+
+void write_timing(const Path& file, const std::vector<StageTime>& timing) {
+  std::ofstream out = open(file);
+  out << "frame,stage,milliseconds,state_size\n";
+  for (const StageTime& t : timing) {
+    out << t.frame << ',' << t.stage << ',' << text(t.milliseconds) << ',' << t.state_size << '\n';
+  }
+}
+
+void write_description(const Path& file, const RunDescription& d) {
+  const Path sequence = d.sequence.empty() ? d.sequence : std::filesystem::absolute(d.sequence);
+  YAML::Emitter yaml;
+  yaml << YAML::BeginMap << YAML::Key << "format" << YAML::Value << run_files::kFormat;
+  yaml << YAML::Key << "version" << YAML::Value << SLAMMOT_VERSION;
+  yaml << YAML::Key << "command" << YAML::Value << d.command;
+  yaml << YAML::Key << "estimator" << YAML::Value << d.estimator;
+  yaml << YAML::Key << "sequence" << YAML::Value << YAML::BeginMap;
+  yaml << YAML::Key << "name" << YAML::Value << d.sequence_name;
+  yaml << YAML::Key << "path" << YAML::Value << sequence.lexically_normal().string();
+  yaml << YAML::Key << "sha256" << YAML::Value << d.sequence_sha256 << YAML::EndMap;
+  if (d.seed) yaml << YAML::Key << "seed" << YAML::Value << *d.seed;
+  yaml << YAML::Key << "configuration" << YAML::Value << YAML::BeginMap;
+  for (const auto& [key, value] : key_values(d.configuration)) {
+    yaml << YAML::Key << key << YAML::Value << value;
+  }
+  yaml << YAML::EndMap << YAML::EndMap;
+  open(file) << yaml.c_str() << '\n';
+}
+
+}  // namespace
+
+void write_run(const Path& folder, const RunDescription& description, const RunResult& run,
+               const RunMetrics& metrics) {
+  std::filesystem::create_directories(folder);
+  write_description(folder / run_files::kDescription, description);
+  write_trajectory(folder / run_files::kTrajectory, run.filtered, "filtered");
+  write_covariances(folder / run_files::kPoseCovariance, run.filtered);
+  // A folder may hold an older run, of an estimator that smooths.
+  std::filesystem::remove(folder / run_files::kTrajectorySmoothed);
+  std::filesystem::remove(folder / run_files::kPoseCovarianceSmoothed);
+  if (!run.smoothed.empty()) {
+    write_trajectory(folder / run_files::kTrajectorySmoothed, run.smoothed, "smoothed");
+    write_covariances(folder / run_files::kPoseCovarianceSmoothed, run.smoothed);
+  }
+  write_landmarks(folder / run_files::kLandmarks,
+                  run.every_frame.empty() ? run.landmarks : run.every_frame);
+  write_classification(folder / run_files::kClassification, run.classification);
+  write_timing(folder / run_files::kTiming, run.timing);
+  open(folder / run_files::kMetrics) << metrics_json(metrics).dump(1) << '\n';
+}
+
+}  // namespace slammot

@@ -1,0 +1,30 @@
+// Writes the Run folder of FORMATS.md, and the files run_reader.h reads back. Numbers have 17
+// significant digits; what is not defined is `nan` in CSV and null in JSON, never 0.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "eval/configuration/configuration.h"
+#include "eval/metrics/metrics.h"
+#include "eval/result/run_result.h"
+
+namespace slammot {
+
+// What run.yaml says beside the configuration: enough to repeat the run.
+struct RunDescription {
+  std::string command;
+  std::string estimator;
+  std::filesystem::path sequence;
+  std::string sequence_name;
+  std::string sequence_sha256;
+  std::optional<std::uint64_t> seed;  // of a simulated sequence
+  Configuration configuration;        // the effective one
+};
+
+void write_run(const std::filesystem::path& folder, const RunDescription& description,
+               const RunResult& run, const RunMetrics& metrics);
+
+}  // namespace slammot

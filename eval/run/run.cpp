@@ -1,0 +1,123 @@
+#include "eval/run/run.h"
+
+#include <algorithm>
+
+#include "eval/configuration/registry.h"
+#include "eval/configuration/setup.h"
+#include "eval/run/landmark_history.h"
+#include "eval/run/stage_clock.h"
+
+namespace slammot {
+namespace {
+
+// A camera farther away is not lost but an overflow to be: its squares are no numbers any more.
+constexpr double kNowhere = 1e9;  // [m]
+
+void require_finite(const CameraState& x) {
+  if (!x.position.allFinite() || !x.orientation.coeffs().allFinite() || !x.velocity.allFinite() ||
+      !x.angular_velocity.allFinite()) {
+    throw Diverged("the camera's state is not a number");
+  }
+  if (x.position.norm() > kNowhere) throw Diverged("the camera is a million kilometres away");
+}
+
+FrameCounts counts_of(const FrameReport& report) {
+  return {.accepted = report.accepted,
+          .rejected = report.rejected,
+          .out_of_view = report.out_of_view,
+          .admitted = report.admitted,
+          .lost = static_cast<int>(report.retired.size()),
+          .negative_inverse_depth = report.negative_inverse_depth,
+          .state_size = report.state_size,
+          .nis_sum = report.nis_sum};
+}
+
+void add_to(FrameCounts& totals, const FrameCounts& counts) {
+  totals.accepted += counts.accepted;
+  totals.rejected += counts.rejected;
+  totals.out_of_view += counts.out_of_view;
+  totals.admitted += counts.admitted;
+  totals.lost += counts.lost;
+  totals.negative_inverse_depth += counts.negative_inverse_depth;
+  totals.state_size = std::max(totals.state_size, counts.state_size);
+  totals.nis_sum += counts.nis_sum;
+}
+
+void add_timing(StageClock& clock, int frame, int state_size, RunResult& result) {
+  for (auto& [stage, milliseconds] : clock.finish()) {
+    result.timing.push_back({frame, std::move(stage), milliseconds, state_size});
+  }
+}
+
+void drive_frame(const Frame& frame, Estimator& estimator, const DriveOptions& options,
+                 LandmarkHistory& history, RunResult& result) {
+  StageClock clock;
+  const FrameReport report = estimator.process(frame, clock);
+  const CameraEstimate camera = estimator.camera();  // its covariance is part of the frame's cost
+  add_timing(clock, frame.index, report.state_size, result);
+  require_finite(camera.state);
+  if (!camera.covariance.allFinite()) throw Diverged("the camera's covariance is not a number");
+  result.frames.push_back(frame.index);
+  result.filtered.push_back(camera);
+  result.counts.push_back(counts_of(report));
+  add_to(result.totals, result.counts.back());
+  history.retire(frame.index, report.retired);  // before a track may begin anew
+  history.add(frame.index, estimator.landmarks_measured(frame.index));
+  if (!options.landmarks_every_frame) return;
+  for (const LandmarkEstimate& landmark : estimator.landmarks()) {
+    result.every_frame.push_back({frame.index, landmark});
+  }
+}
+
+// The last word on every landmark still in the state. A batch solves here, so that its landmarks
+// are known better than after the last frame.
+void smooth(Estimator& estimator, LandmarkHistory& history, RunResult& result) {
+  StageClock clock;
+  const std::vector<CameraEstimate> smoothed = estimator.smoothed(clock);
+  result.smoothing_ms = clock.finish().back().second;
+  // A covariance may be undefined here: a window knows none of the frames that have left it.
+  for (const CameraEstimate& camera : smoothed) require_finite(camera.state);
+  result.smoothed = smoothed;
+  if (!result.frames.empty()) history.revise(result.frames.back(), estimator.landmarks());
+}
+
+}  // namespace
+
+RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptions& options) {
+  RunResult result;
+  result.frames_offered = static_cast<int>(sequence.frames.size());
+  LandmarkHistory history(sequence);
+  int frame_index = 0;
+  try {
+    for (const Frame& frame : sequence.frames) {
+      frame_index = frame.index;
+      drive_frame(frame, estimator, options, history, result);
+      const int done = static_cast<int>(result.frames.size());
+      if (options.progress) options.progress(done, result.frames_offered);
+    }
+    smooth(estimator, history, result);
+  } catch (const Diverged& diverged) {
+    result.diverged = {frame_index, diverged.what()};
+  }
+  result.landmarks = history.latest();
+  result.classification = history.classification();
+  result.samples = history.samples();
+  return result;
+}
+
+Configuration effective_configuration(const Sequence& sequence, const Configuration& configuration,
+                                      const std::string& estimator) {
+  Configuration effective = configuration;
+  find_estimator(estimator).adjust(effective);
+  return resolve(sequence, effective);
+}
+
+RunResult run_estimator(const Sequence& sequence, const Configuration& configuration,
+                        const std::string& estimator, const DriveOptions& options) {
+  const Configuration effective = effective_configuration(sequence, configuration, estimator);
+  const Setup setup = make_setup(sequence, effective);
+  const std::unique_ptr<Estimator> made = find_estimator(estimator).make(setup, effective);
+  return drive(sequence, *made, options);
+}
+
+}  // namespace slammot

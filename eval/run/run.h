@@ -1,0 +1,31 @@
+// Runs one estimator over one sequence.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "datasets/sequence/sequence.h"
+#include "eval/configuration/configuration.h"
+#include "eval/result/run_result.h"
+
+namespace slammot {
+
+struct DriveOptions {
+  std::function<void(int done, int total)> progress;  // after each frame; may be empty
+  bool landmarks_every_frame = false;
+};
+
+// Gives all frames of the sequence to the estimator. Divergence ends the run, whether the estimator
+// says so or a number of the camera is not finite, and what was finished before is kept.
+RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptions& options = {});
+
+// The estimator of that name in the registry, as the configuration says. The sequence is taken as
+// it is: `frames.*` are applied beforehand, by select_frames().
+RunResult run_estimator(const Sequence& sequence, const Configuration& configuration,
+                        const std::string& estimator, const DriveOptions& options = {});
+
+// The configuration as this estimator uses it, every value resolved: what run.yaml states.
+Configuration effective_configuration(const Sequence& sequence, const Configuration& configuration,
+                                      const std::string& estimator);
+
+}  // namespace slammot

@@ -1,0 +1,280 @@
+#include "eval/study/study.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "datasets/text/yaml_map.h"
+#include "eval/configuration/registry.h"
+
+namespace slammot {
+namespace {
+
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+struct NamedSettings {
+  std::string label;
+  std::string name;  // of the scenario or the estimator
+  Settings settings;
+};
+
+struct SweptKey {
+  std::string key;
+  std::vector<std::string> values;
+};
+
+constexpr std::string_view kFigures[] = {
+    "ranking",  "camera_error", "landmark_error", "classification", "classification_against_sweep",
+    "velocity", "trade_off",    "anees",          "landmark_anees", "anees_by_age"};
+
+// `scenario.KEY` is a parameter of the scenario, any other key one of the configuration.
+constexpr std::string_view kScenarioPrefix = "scenario.";
+
+class Reader {
+ public:
+  explicit Reader(std::filesystem::path file) : file_(std::move(file)) {}
+
+  Study read() {
+    Study study;
+    study.text = text();
+    YamlMap top(file_, load(study.text), "the file");
+    if (const std::string format = top.text("format"); format != "slammot-study-1") {
+      top.refuse(top.take("format"), "unknown format '" + format + "' (known: slammot-study-1)");
+    }
+    study.name = top.text("name");
+    if (study.name.find('/') != std::string::npos)
+      top.refuse(top.take("name"), "'name' names a folder and has no '/'");
+    study.title = top.has("title") ? top.text("title") : study.name;
+    if (top.has("runs")) study.runs = top.positive_integer("runs");
+    if (top.has("seed")) {
+      study.first_seed = static_cast<std::uint64_t>(top.positive_integer("seed"));
+    }
+    const auto scenarios = named(top, "scenarios", "scenario");
+    const auto estimators = named(top, "estimators", "estimator");
+    Settings all;
+    if (top.has("configuration")) all = settings(top.take("configuration"), "configuration");
+    const auto sweep = swept(top);
+    read_record(top, study);
+    read_figures(top, study);
+    read_reference(top, study);
+    top.finish();
+    cross(scenarios, sweep, estimators, all, study);
+    return study;
+  }
+
+ private:
+  std::string text() const {
+    std::ifstream in(file_, std::ios::binary);
+    if (!in) throw InputError(file_, 0, "cannot be read");
+    std::ostringstream out;
+    out << in.rdbuf();
+    return std::move(out).str();
+  }
+
+  YAML::Node load(const std::string& text) const {
+    try {
+      return YAML::Load(text);
+    } catch (const YAML::Exception& error) {
+      throw InputError(file_, error.mark.line + 1, error.msg);
+    }
+  }
+
+  [[noreturn]] void refuse(const YAML::Node& at, const std::string& reason) const {
+    throw InputError(file_, at.Mark().line + 1, reason);
+  }
+
+  std::string scalar(const YAML::Node& node, const std::string& what) const {
+    if (!node.IsScalar()) refuse(node, fmt::format("'{}' must be one value", what));
+    return node.Scalar();
+  }
+
+  Settings settings(const YAML::Node& node, const std::string& what) const {
+    if (!node.IsMap()) refuse(node, fmt::format("'{}' must be a map of keys to values", what));
+    Settings result;
+    for (const auto& pair : node) {
+      result.emplace_back(pair.first.Scalar(), scalar(pair.second, pair.first.Scalar()));
+    }
+    return result;
+  }
+
+  std::vector<NamedSettings> named(YamlMap& top, const std::string& list, const std::string& kind) {
+    const YAML::Node node = top.take(list);
+    if (!node.IsSequence() || node.size() == 0) {
+      top.refuse(node, fmt::format("'{}' must be a list of at least one {}", list, kind));
+    }
+    std::vector<NamedSettings> result;
+    std::set<std::string> labels;
+    for (const auto& item : node) {
+      YamlMap map(file_, item, "an entry of '" + list + "'");
+      NamedSettings row;
+      row.name = map.text(kind);
+      row.label = map.has("label") ? map.text("label") : row.name;
+      if (map.has("set")) row.settings = settings(map.take("set"), "set");
+      map.finish();
+      if (row.label.find(',') != std::string::npos) {
+        refuse(item, "the label '" + row.label + "' has a comma, which separates swept values");
+      }
+      if (!labels.insert(row.label).second) refuse(item, "two are called '" + row.label + "'");
+      result.push_back(std::move(row));
+    }
+    return result;
+  }
+
+  std::vector<SweptKey> swept(YamlMap& top) const {
+    std::vector<SweptKey> result;
+    if (!top.has("sweep")) return result;
+    const YAML::Node node = top.take("sweep");
+    if (!node.IsMap()) refuse(node, "'sweep' must be a map of keys to lists of values");
+    for (const auto& pair : node) {
+      SweptKey key{pair.first.Scalar(), {}};
+      if (!pair.second.IsSequence() || pair.second.size() == 0) {
+        refuse(pair.second, fmt::format("'{}' must be a list of values", key.key));
+      }
+      for (const auto& value : pair.second) key.values.push_back(scalar(value, key.key));
+      result.push_back(std::move(key));
+    }
+    return result;
+  }
+
+  void read_record(YamlMap& top, Study& study) const {
+    if (!top.has("record")) return;
+    YamlMap record = top.map("record");
+    for (const double track : record.list("tracks")) {
+      study.tracks.push_back(static_cast<int>(track));
+    }
+    record.finish();
+  }
+
+  void read_figures(YamlMap& top, Study& study) const {
+    if (!top.has("figures")) return;
+    for (const auto& figure : top.take("figures")) {
+      if (std::ranges::find(kFigures, scalar(figure, "figures")) == std::end(kFigures)) {
+        refuse(figure, fmt::format("unknown figure '{}' (known: {})", figure.Scalar(),
+                                   fmt::join(kFigures, ", ")));
+      }
+      study.figures.push_back(figure.Scalar());
+    }
+  }
+
+  static void read_reference(YamlMap& top, Study& study) {
+    if (!top.has("reference")) return;
+    YamlMap map = top.map("reference");
+    ReferenceLabels& reference = study.reference.emplace();
+    reference.label = map.text("label");
+    const Eigen::Vector3d statics = map.vector<3>("static"), movings = map.vector<3>("moving");
+    for (int i = 0; i < 3; ++i) {
+      reference.statics[static_cast<std::size_t>(i)] = static_cast<int>(statics(i));
+      reference.movings[static_cast<std::size_t>(i)] = static_cast<int>(movings(i));
+    }
+    map.finish();
+  }
+
+  // All combinations of the swept values, the last key fastest.
+  static std::vector<Settings> combinations(const std::vector<SweptKey>& sweep) {
+    std::vector<Settings> result{{}};
+    for (const SweptKey& key : sweep) {
+      std::vector<Settings> longer;
+      for (const Settings& so_far : result) {
+        for (const std::string& value : key.values) {
+          longer.push_back(so_far);
+          longer.back().emplace_back(key.key, value);
+        }
+      }
+      result = std::move(longer);
+    }
+    return result;
+  }
+
+  void cross(const std::vector<NamedSettings>& scenarios, const std::vector<SweptKey>& sweep,
+             const std::vector<NamedSettings>& estimators, const Settings& all, Study& study) {
+    for (const NamedSettings& scenario : scenarios) {
+      for (const Settings& values : combinations(sweep)) {
+        for (const NamedSettings& estimator : estimators) {
+          try {
+            study.cells.push_back(cell(scenario, values, estimator, all));
+          } catch (const std::invalid_argument& error) {
+            throw InputError(file_, 0, error.what());
+          }
+        }
+      }
+    }
+  }
+
+  static StudyCell cell(const NamedSettings& scenario, const Settings& values,
+                        const NamedSettings& estimator, const Settings& all) {
+    StudyCell cell;
+    cell.group = scenario.label;
+    cell.label = estimator.label;
+    cell.scenario = scenario.name;
+    cell.estimator = estimator.name;
+    cell.sweep = values;
+    find_estimator(cell.estimator);
+    for (const auto& [key, value] : scenario.settings) cell.scene[key] = value;
+    for (const auto& [key, value] : all) assign(cell.configuration, {key, value});
+    for (const auto& [key, value] : values) {
+      cell.group += fmt::format(", {} = {}", key, value);
+      if (key.starts_with(kScenarioPrefix)) {
+        cell.scene[key.substr(kScenarioPrefix.size())] = value;
+      } else {
+        assign(cell.configuration, {key, value});
+      }
+    }
+    for (const auto& [key, value] : estimator.settings) assign(cell.configuration, {key, value});
+    return cell;
+  }
+
+  std::filesystem::path file_;
+};
+
+// A scenario's parameters are known only to its simulator: a short run of each tells.
+void try_scenarios(const std::filesystem::path& file, const Study& study) {
+  std::set<std::string> tried;
+  for (const StudyCell& cell : study.cells) {
+    if (!tried.insert(cell.group).second) continue;
+    try {
+      ScenarioOverrides scene = cell.scene;
+      simulate(cell.scenario, scene, study.first_seed);
+    } catch (const std::invalid_argument& error) {
+      throw InputError(file, 0, error.what());
+    }
+  }
+}
+
+// What a figure draws must be there.
+void check_figures(const std::filesystem::path& file, const Study& study) {
+  const auto wants = [&](const char* figure) {
+    return std::ranges::find(study.figures, figure) != study.figures.end();
+  };
+  if (wants("velocity") && study.tracks.empty()) {
+    throw InputError(file, 0, "figure 'velocity' needs `record: {tracks: ..}`");
+  }
+  if (!wants("classification_against_sweep")) return;
+  const auto& sweep = study.cells.front().sweep;
+  if (sweep.size() != 1) {
+    throw InputError(file, 0, "figure 'classification_against_sweep' needs one swept key");
+  }
+  for (const StudyCell& cell : study.cells) {
+    const std::string& value = cell.sweep.front().second;
+    double number = 0.0;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+    if (error != std::errc{} || end != value.data() + value.size()) {
+      throw InputError(
+          file, 0, fmt::format("figure 'classification_against_sweep': '{}' is no number", value));
+    }
+  }
+}
+
+}  // namespace
+
+Study read_study(const std::filesystem::path& file) {
+  Study study = Reader(file).read();
+  check_figures(file, study);
+  try_scenarios(file, study);
+  return study;
+}
+
+}  // namespace slammot

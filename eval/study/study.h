@@ -1,0 +1,54 @@
+// A study: scenarios x swept values x estimators x seeds, read from a YAML file (docs/formats.md).
+//
+// Every estimator of a group (one scenario with one combination of swept values) sees the same
+// measurements: those of its scenario's seed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/configuration.h"
+
+namespace slammot {
+
+// One estimator in one group.
+struct StudyCell {
+  std::string group;  // label of the scenario and of the swept values: its cells are paired
+  std::string label;  // of the estimator
+  std::string scenario;
+  ScenarioOverrides scene;
+  std::string estimator;
+  Configuration configuration;
+  std::vector<std::pair<std::string, std::string>> sweep;  // key, value
+};
+
+// Labels that somebody published, shown beside ours: right, wrong, undecided.
+struct ReferenceLabels {
+  std::string label;
+  std::array<int, 3> statics{}, movings{};
+};
+
+struct Study {
+  std::string name;
+  std::string title;
+  std::string text;  // the file as it was read
+  int runs = 50;
+  std::uint64_t first_seed = 1;
+  std::vector<StudyCell> cells;
+  std::vector<int> tracks;           // landmarks whose velocity is recorded in every frame
+  std::vector<std::string> figures;  // what the report draws
+  std::optional<ReferenceLabels> reference;
+
+  std::uint64_t seed(int run) const { return first_seed + static_cast<std::uint64_t>(run); }
+};
+
+// Throws InputError: everything is checked here, before the first run.
+Study read_study(const std::filesystem::path& file);
+
+}  // namespace slammot

@@ -1,0 +1,46 @@
+// The runs of one cell, taken one by one, and what they say together: an entry of `cells` in
+// summary.json.
+#pragma once
+
+#include <cstdint>
+
+#include "eval/study/study.h"
+#include "eval/study/study_frames.h"
+#include "eval/study/study_landmarks.h"
+
+namespace slammot {
+
+class CellSummary {
+ public:
+  explicit CellSummary(const StudyCell& cell) : cell_(cell) {}
+
+  void add(const nlohmann::ordered_json& run);            // a line of results.jsonl
+  void add_timing(const nlohmann::ordered_json& timing);  // a line of timing.jsonl
+  nlohmann::ordered_json json() const;
+
+  // By seed: position RMSE over the run, smoothed of a batch, infinite of one that diverged; what
+  // it states of it; and the mean NEES of its poses.
+  const std::map<std::uint64_t, double>& position_rmse() const { return position_rmse_; }
+  const std::map<std::uint64_t, double>& stated_sigma() const { return stated_sigma_; }
+  const std::map<std::uint64_t, double>& pose_nees() const { return pose_nees_; }
+
+ private:
+  void add_accuracy(const nlohmann::ordered_json& run);
+  void add_scalar(const std::string& key, const nlohmann::ordered_json& value);
+
+  const StudyCell& cell_;
+  int runs_ = 0;
+  nlohmann::ordered_json diverged_ = nlohmann::ordered_json::array();
+  nlohmann::ordered_json lost_ = nlohmann::ordered_json::array();
+  std::map<std::uint64_t, double> position_rmse_, stated_sigma_, pose_nees_;
+  std::map<std::string, std::vector<double>> scalars_;
+  FrameStatistics frames_, smoothed_;
+  LandmarkAges ages_;
+  RecordedTracks tracks_;
+  std::map<std::string, std::array<long, 3>> counts_;  // right, wrong, undecided
+  std::map<std::string, double> coverage_;
+  std::map<std::string, std::vector<double>> timing_;
+  std::map<std::string, double> stages_;
+};
+
+}  // namespace slammot

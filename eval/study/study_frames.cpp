@@ -1,0 +1,131 @@
+#include "eval/study/study_frames.h"
+
+#include <cmath>
+
+#include "eval/statistics/chi_square.h"
+#include "eval/statistics/statistics.h"
+#include "eval/study/study_json.h"
+
+namespace slammot {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSampled[] = {"position_error_m", "rotation_error_deg", "nees_pose",
+                                    "nees_position",    "nees_rotation",      "position_sigma_m"};
+constexpr const char* kLandmarkParts[] = {"landmark_position", "landmark_velocity"};
+
+// A NEES that is not finite belongs to a covariance that is none.
+double finite_or_infinite(double x) { return std::isnan(x) ? INFINITY : x; }
+
+// The samples of a JSON object of arrays, row by row.
+class Rows {
+ public:
+  explicit Rows(std::vector<std::string> keys) : keys_(std::move(keys)) {
+    for (const std::string& key : keys_) json_[key] = Json::array();
+  }
+  void push(const std::vector<Json>& row) {
+    for (std::size_t i = 0; i < keys_.size(); ++i) json_[keys_[i]].push_back(row[i]);
+  }
+  Json json() { return std::move(json_); }
+
+ private:
+  std::vector<std::string> keys_;
+  Json json_;
+};
+
+}  // namespace
+
+void FrameStatistics::add(const Json& frames) {
+  const Json& index = frames.at("frame");
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    Frame& frame = frames_[index[i].get<int>()];
+    for (const char* what : kSampled) frame.samples[what].push_back(number(frames.at(what)[i]));
+    for (const std::string part : kLandmarkParts) {
+      if (!frames.contains("nees_" + part)) continue;  // smoothed cameras have no landmarks
+      frame.landmark_nees[part].push_back(
+          run_sum(frames.at("nees_" + part)[i], frames.at(part + "_count")[i]));
+    }
+  }
+}
+
+FrameStatistics::Anees FrameStatistics::camera_part(const std::string& part, int dof) const {
+  Anees anees{part, dof, {}, {}, {}, {}};
+  for (const auto& [index, frame] : frames_) {
+    std::vector<double> samples;
+    for (const double x : frame.samples.at("nees_" + part))
+      samples.push_back(finite_or_infinite(x));
+    const Interval interval = nees_interval(dof, static_cast<int>(samples.size()));
+    anees.value.push_back(mean(samples));
+    anees.lower.push_back(interval.lower);
+    anees.upper.push_back(interval.upper);
+    anees.inside.push_back(anees.value.back() >= interval.lower &&
+                           anees.value.back() <= interval.upper);
+  }
+  return anees;
+}
+
+FrameStatistics::Anees FrameStatistics::landmark_part(const std::string& part) const {
+  constexpr int kDof = 3;
+  Anees anees{part, kDof, {}, {}, {}, {}};
+  for (const auto& [index, frame] : frames_) {
+    const Estimate estimate = bootstrap_mean(frame.landmark_nees.at(part));
+    anees.value.push_back(estimate.value);
+    anees.lower.push_back(estimate.lower);
+    anees.upper.push_back(estimate.upper);
+    anees.inside.push_back(estimate.lower <= kDof && kDof <= estimate.upper);
+  }
+  return anees;
+}
+
+std::vector<FrameStatistics::Anees> FrameStatistics::parts() const {
+  std::vector<Anees> all{camera_part("pose", 6), camera_part("position", 3),
+                         camera_part("rotation", 3)};
+  for (const char* part : kLandmarkParts) {
+    if (frames_.begin()->second.landmark_nees.contains(part)) all.push_back(landmark_part(part));
+  }
+  return all;
+}
+
+Json FrameStatistics::anees() const {
+  Json json = Json::object();
+  for (const Anees& part : parts()) {
+    std::vector<double> defined;
+    double inside = 0.0;
+    int infinite = 0;
+    for (std::size_t i = 0; i < part.value.size(); ++i) {
+      if (std::isnan(part.value[i])) continue;  // no landmark had a sample in this frame
+      defined.push_back(part.value[i]);
+      infinite += std::isinf(part.value[i]);
+      inside += part.inside[i];
+    }
+    json[part.part] = {{"dof", part.dof},
+                       {"mean", mean(defined)},
+                       {"largest", maximum(defined)},
+                       {"inside", inside / static_cast<double>(defined.size())},
+                       {"infinite", infinite}};
+  }
+  return json;
+}
+
+Json FrameStatistics::per_frame() const {
+  Rows rows({"frame", "runs", "position_rmse_m", "position_q25_m", "position_median_m",
+             "position_q75_m", "position_q95_m", "position_sigma_m", "rotation_rmse_deg"});
+  for (const auto& [index, frame] : frames_) {
+    const std::vector<double>& errors = frame.samples.at("position_error_m");
+    rows.push({index, errors.size(), root_mean_square(errors), quantile(errors, 0.25),
+               quantile(errors, 0.5), quantile(errors, 0.75), quantile(errors, 0.95),
+               root_mean_square(frame.samples.at("position_sigma_m")),
+               root_mean_square(frame.samples.at("rotation_error_deg"))});
+  }
+  Json json = rows.json();
+  for (const Anees& part : parts()) {
+    json["anees_" + part.part] = part.value;
+    json["anees_" + part.part + "_lower"] = part.lower;
+    json["anees_" + part.part + "_upper"] = part.upper;
+  }
+  return json;
+}
+
+}  // namespace slammot

@@ -1,0 +1,50 @@
+// What the runs of a cell say together at every frame.
+//
+// The NEES of the camera has one sample a run: its mean over N runs is compared with the chi-square
+// interval of N runs. Landmarks of one run share its camera's error: the interval of their mean
+// NEES comes from drawing runs again, lies around that mean, and should hold the number 3.
+#pragma once
+
+#include <array>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "eval/statistics/bootstrap.h"
+
+namespace slammot {
+
+class FrameStatistics {
+ public:
+  // `frames` or `smoothed_frames` of one run (docs/formats.md).
+  void add(const nlohmann::ordered_json& frames);
+
+  bool empty() const { return frames_.empty(); }
+
+  // Arrays over the frames.
+  nlohmann::ordered_json per_frame() const;
+
+  // Of each part: mean over the frames, largest of a frame, part of the frames `inside`.
+  nlohmann::ordered_json anees() const;
+
+ private:
+  struct Frame {
+    std::map<std::string, std::vector<double>> samples;        // one a run
+    std::map<std::string, std::vector<RunSum>> landmark_nees;  // by part
+  };
+  struct Anees {
+    std::string part;
+    int dof = 0;
+    std::vector<double> value, lower, upper;  // by frame
+    std::vector<bool> inside;
+  };
+
+  std::vector<Anees> parts() const;
+  Anees camera_part(const std::string& part, int dof) const;
+  Anees landmark_part(const std::string& part) const;
+
+  std::map<int, Frame> frames_;  // by Frame::index
+};
+
+}  // namespace slammot

@@ -1,0 +1,276 @@
+#include "eval/study/study_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <set>
+
+#include "eval/metrics/metrics.h"
+#include "eval/run/run.h"
+#include "eval/statistics/bootstrap.h"
+#include "eval/statistics/statistics.h"
+
+namespace slammot {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Lost: further from the truth than this part of the path so far, and than a metre.
+constexpr double kLostFraction = 0.1;
+
+Json counts(const ClassCounts& c) { return {c.right, c.wrong, c.undecided}; }
+
+// Right, wrong and undecided of the landmarks of this class that were measured often enough for a
+// decision to be fair.
+Json counts_of_often_seen(const RunResult& run, Label truth) {
+  constexpr int kOften = 10;  // measurements
+  std::map<int, int> observations;
+  for (const LandmarkRecord& l : run.landmarks) {
+    observations[l.estimate.track] = l.estimate.observations;
+  }
+  ClassCounts c;
+  for (const ClassificationRecord& r : run.classification) {
+    if (r.truth == truth && observations[r.track] >= kOften) c.add(r.label, truth);
+  }
+  return counts(c);
+}
+
+// The labels of objects that ever move, over the frames in which a measurement of theirs was used:
+// of those in which they stood, or moved.
+Json counts_by_frame(const std::vector<LandmarkSample>& samples, Label motion) {
+  ClassCounts c;
+  for (const LandmarkSample& s : samples) {
+    if (s.truth == Label::kMoving && s.motion == motion) c.add(s.label, motion);
+  }
+  return counts(c);
+}
+
+Json accuracy_json(const TrajectoryMetrics& metrics) {
+  if (!metrics.accuracy.value) return nullptr;
+  const Accuracy& a = *metrics.accuracy.value;
+  return {{"position_rmse_m", a.position_rmse},
+          {"rotation_rmse_deg", a.rotation_rmse_deg},
+          {"position_final_m", a.position_final},
+          {"sim3_scale", a.scale},
+          {"ate_sim3_m", a.ate_sim3}};
+}
+
+// First frame at which the estimate is lost; null if none.
+Json lost_at(const std::vector<PosePair>& pairs) {
+  double path = 0.0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    path += (pairs[i].truth.position - pairs[i - 1].truth.position).norm();
+    if (position_error(pairs[i]) > std::max(1.0, kLostFraction * path)) return pairs[i].frame;
+  }
+  return nullptr;
+}
+
+// Per frame: errors, NEES (after the first frame, whose covariance is a pin) and the standard
+// deviations that the estimator states, the roots of the traces.
+Json frames_json(const std::vector<PosePair>& pairs) {
+  Json json;
+  std::vector<int> frame;
+  std::vector<double> position, rotation, pose_nees, position_nees, rotation_nees, position_sigma;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    const PosePair& p = pairs[i];
+    const Vector12d e = boxminus(p.truth, p.estimate.state);
+    const Matrix12d& P = p.estimate.covariance;
+    frame.push_back(p.frame);
+    position.push_back(position_error(p));
+    rotation.push_back(rotation_error_deg(p));
+    pose_nees.push_back(nees(e.head<6>(), P.topLeftCorner<6, 6>()));
+    position_nees.push_back(nees(e.head<3>(), P.topLeftCorner<3, 3>()));
+    rotation_nees.push_back(nees(e.segment<3>(kRotation), P.block<3, 3>(kRotation, kRotation)));
+    position_sigma.push_back(std::sqrt(P.topLeftCorner<3, 3>().trace()));
+  }
+  json["frame"] = frame;
+  json["position_error_m"] = position;
+  json["rotation_error_deg"] = rotation;
+  json["nees_pose"] = pose_nees;
+  json["nees_position"] = position_nees;
+  json["nees_rotation"] = rotation_nees;
+  json["position_sigma_m"] = position_sigma;
+  return json;
+}
+
+// A window does not keep those of the cameras that left it.
+bool has_covariances(const std::vector<PosePair>& pairs) {
+  return !pairs.empty() && std::all_of(pairs.begin(), pairs.end(), [](const PosePair& p) {
+    return p.estimate.covariance.allFinite();
+  });
+}
+
+// Four digits: a box plot needs no more, and a run has thousands.
+double rounded(double x) {
+  if (!std::isfinite(x) || x == 0.0) return x;
+  const double scale = std::pow(10.0, 3.0 - std::floor(std::log10(std::abs(x))));
+  return std::round(x * scale) / scale;
+}
+
+// Without the landmarks known beforehand, which were given, not estimated.
+std::vector<LandmarkSample> estimated_samples(const Sequence& sequence, const RunResult& run) {
+  std::set<int> known;
+  for (const KnownLandmark& k : sequence.known) known.insert(k.track);
+  std::vector<LandmarkSample> samples;
+  for (const LandmarkSample& s : run.samples) {
+    if (!known.contains(s.track)) samples.push_back(s);
+  }
+  return samples;
+}
+
+// Mean and count of the NEES of the landmarks measured in each of `frames`.
+void add_landmark_nees(const std::vector<LandmarkSample>& samples, const char* part,
+                       double LandmarkSample::*nees_of, Json& frames) {
+  std::map<int, RunSum> sums;
+  for (const LandmarkSample& s : samples) {
+    if (std::isnan(s.*nees_of)) continue;
+    RunSum& r = sums[s.frame];
+    r = {r.sum + s.*nees_of, r.count + 1};
+  }
+  std::vector<double> means;
+  std::vector<int> counts;
+  for (const Json& frame : frames.at("frame")) {
+    const RunSum r = sums[frame.get<int>()];
+    means.push_back(r.count > 0.0 ? r.sum / r.count : kUndefined);
+    counts.push_back(static_cast<int>(r.count));
+  }
+  frames[std::string("nees_landmark_") + part] = means;
+  frames[std::string("landmark_") + part + "_count"] = counts;
+}
+
+// Errors and NEES of the landmarks at the recorded ages.
+Json landmarks_json(const std::vector<LandmarkSample>& samples) {
+  struct Age {
+    std::vector<double> statics, movings, velocities, position_nees, velocity_nees;
+  };
+  std::map<int, Age> ages;
+  for (const LandmarkSample& s : samples) {
+    const bool recorded = std::find(std::begin(kRecordedAges), std::end(kRecordedAges),
+                                    s.observations) != std::end(kRecordedAges);
+    if (!recorded) continue;
+    Age& age = ages[s.observations];
+    const bool moves = s.truth == Label::kMoving;
+    if (std::isfinite(s.position_error)) {
+      (moves ? age.movings : age.statics).push_back(rounded(s.position_error));
+    }
+    if (moves && std::isfinite(s.velocity_error))
+      age.velocities.push_back(rounded(s.velocity_error));
+    if (!std::isnan(s.position_nees)) age.position_nees.push_back(s.position_nees);
+    if (!std::isnan(s.velocity_nees)) age.velocity_nees.push_back(s.velocity_nees);
+  }
+  Json json = Json::array();
+  for (const auto& [observations, age] : ages) {
+    json.push_back({{"observations", observations},
+                    {"static_position_m", age.statics},
+                    {"moving_position_m", age.movings},
+                    {"moving_velocity_m_s", age.velocities},
+                    {"nees_position_mean", mean(age.position_nees)},
+                    {"nees_position_count", age.position_nees.size()},
+                    {"nees_velocity_mean", mean(age.velocity_nees)},
+                    {"nees_velocity_count", age.velocity_nees.size()}});
+  }
+  return json;
+}
+
+Json tracks_json(const Study& study, const Sequence& sequence, const RunResult& run) {
+  Json json = Json::array();
+  for (const int track : study.tracks) {
+    Json one = {{"track", track},
+                {"frame", Json::array()},
+                {"velocity", Json::array()},
+                {"sigma", Json::array()},
+                {"truth", Json::array()}};
+    for (const LandmarkRecord& record : run.every_frame) {
+      const LandmarkEstimate& l = record.estimate;
+      if (l.track != track || !l.velocity.allFinite()) continue;
+      const auto truth = sequence.landmarks.find(track);
+      const TruePoint* point =
+          truth == sequence.landmarks.end() ? nullptr : truth->second.at(record.frame);
+      const Eigen::Vector3d s = l.velocity_covariance.diagonal().cwiseSqrt();
+      one["frame"].push_back(record.frame);
+      one["velocity"].push_back({l.velocity.x(), l.velocity.y(), l.velocity.z()});
+      one["sigma"].push_back({s.x(), s.y(), s.z()});
+      one["truth"].push_back(
+          point == nullptr ? Json()
+                           : Json({point->velocity.x(), point->velocity.y(), point->velocity.z()}));
+    }
+    json.push_back(one);
+  }
+  return json;
+}
+
+Json result_json(const Study& study, const Sequence& sequence, const RunResult& run,
+                 const RunMetrics& metrics) {
+  const std::vector<PosePair> pairs = pair_with_truth(sequence, run.filtered);
+  Json json;
+  json["diverged"] = Json();
+  if (run.diverged)
+    json["diverged"] = {{"frame", run.diverged->frame}, {"reason", run.diverged->reason}};
+  json["lost_at"] = lost_at(pairs);
+  json["filtered"] = accuracy_json(metrics.filtered);
+  json["smoothed"] = metrics.smoothed ? accuracy_json(*metrics.smoothed) : Json();
+  json["nis_mean"] = metrics.nis.mean;
+  json["nis_expected"] = metrics.nis.expected;
+  json["static"] = counts(metrics.classification.statics);
+  json["moving"] = counts(metrics.classification.movings);
+  json["static_often_seen"] = counts_of_often_seen(run, Label::kStatic);
+  json["moving_often_seen"] = counts_of_often_seen(run, Label::kMoving);
+  json["median_frames_to_decision"] = metrics.classification.median_frames_to_decision;
+  const Coverage& c = metrics.coverage;
+  json["coverage"] = {
+      {"frames", c.frames_done}, {"offered", c.offered},         {"accepted", c.accepted},
+      {"rejected", c.rejected},  {"out_of_view", c.out_of_view}, {"admitted", c.admitted},
+      {"lost", c.lost}};
+  json["state_size_max"] = metrics.runtime.state_size_max;
+  const std::vector<LandmarkSample> samples = estimated_samples(sequence, run);
+  json["standing_by_frame"] = counts_by_frame(samples, Label::kStatic);
+  json["moving_by_frame"] = counts_by_frame(samples, Label::kMoving);
+  json["frames"] = frames_json(pairs);
+  add_landmark_nees(samples, "position", &LandmarkSample::position_nees, json["frames"]);
+  add_landmark_nees(samples, "velocity", &LandmarkSample::velocity_nees, json["frames"]);
+  const std::vector<PosePair> smoothed = pair_with_truth(sequence, run.smoothed);
+  if (has_covariances(smoothed)) json["smoothed_frames"] = frames_json(smoothed);
+  json["landmarks"] = landmarks_json(samples);
+  json["tracks"] = tracks_json(study, sequence, run);
+  return json;
+}
+
+Json timing_json(const RunMetrics& metrics) {
+  Json stages = Json::object();
+  for (const StageCost& s : metrics.runtime.stages) stages[s.stage] = s.total_ms;
+  return {{"frame_median_ms", metrics.runtime.frame_median_ms},
+          {"frames_per_second", metrics.runtime.frames_per_second},
+          {"smoothing_ms", metrics.runtime.smoothing_ms},
+          {"stages_ms", stages}};
+}
+
+}  // namespace
+
+StudyRun run_study_cell(const Study& study, int cell, int run) {
+  const StudyCell& c = study.cells[static_cast<std::size_t>(cell)];
+  const auto start = std::chrono::steady_clock::now();
+  StudyRun made;
+  made.result = {{"cell", cell}, {"seed", study.seed(run)}};
+  made.timing = {{"cell", cell}, {"seed", study.seed(run)}};
+  try {
+    const Sequence sequence =
+        select_frames(simulate(c.scenario, c.scene, study.seed(run)), c.configuration.frames.first,
+                      c.configuration.frames.last, c.configuration.frames.step);
+    const Configuration effective = effective_configuration(sequence, c.configuration, c.estimator);
+    DriveOptions options;
+    options.landmarks_every_frame = !study.tracks.empty();
+    const RunResult result = run_estimator(sequence, c.configuration, c.estimator, options);
+    const RunMetrics metrics = compute_metrics(sequence, result, effective.model.gate_probability);
+    made.result.update(result_json(study, sequence, result, metrics));
+    made.timing.update(timing_json(metrics));
+  } catch (const std::bad_alloc&) {
+    throw;  // of this machine, not of the estimator
+  } catch (const std::exception& error) {
+    made.result["diverged"] = {{"frame", nullptr}, {"reason", error.what()}};
+  }
+  made.timing["seconds"] =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return made;
+}
+
+}  // namespace slammot

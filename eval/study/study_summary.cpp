@@ -1,0 +1,163 @@
+#include "eval/study/study_summary.h"
+
+#include <cmath>
+#include <fstream>
+
+#include "eval/statistics/statistics.h"
+#include "eval/study/study_cell.h"
+#include "eval/study/study_json.h"
+
+namespace slammot {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The estimator that only gives the Cramer-Rao bound of its group, and takes part in no comparison.
+constexpr std::string_view kBound = "bound";
+
+// The lines of a file that belong to one cell after another: both files are sorted by cell.
+class CellLines {
+ public:
+  explicit CellLines(const std::filesystem::path& file) : in_(file, std::ios::binary) {
+    if (!in_) throw InputError(file, 0, "cannot be read: is the study complete?");
+    advance();
+  }
+
+  void visit(std::size_t cell, const std::function<void(const Json&)>& visitor) {
+    for (; !next_.is_null() && next_.at("cell").get<std::size_t>() == cell; advance()) {
+      visitor(next_);
+    }
+  }
+
+ private:
+  void advance() {
+    std::string line;
+    next_ = std::getline(in_, line) ? Json::parse(line) : Json();
+  }
+
+  std::ifstream in_;
+  Json next_;
+};
+
+// What is kept of a cell while its group is summarised.
+struct Finished {
+  Json json;
+  std::map<std::uint64_t, double> position_rmse, stated_sigma, pose_nees;  // by seed
+};
+
+Finished summarise_cell(const StudyCell& cell, std::size_t index, CellLines& results,
+                        CellLines& timing) {
+  CellSummary summary(cell);
+  results.visit(index, [&](const Json& run) { summary.add(run); });
+  timing.visit(index, [&](const Json& run) { summary.add_timing(run); });
+  return {summary.json(), summary.position_rmse(), summary.stated_sigma(), summary.pose_nees()};
+}
+
+// Position RMSE of a - b by seed, where both finished; a diverged run loses.
+Json pair_json(const Finished& a, const Finished& b) {
+  std::vector<double> differences;
+  int wins_a = 0, wins_b = 0;
+  for (const auto& [seed, x] : a.position_rmse) {
+    const auto other = b.position_rmse.find(seed);
+    if (other == b.position_rmse.end()) continue;
+    const double y = other->second;
+    wins_a += x < y;
+    wins_b += y < x;
+    if (std::isfinite(x) && std::isfinite(y)) differences.push_back(x - y);
+  }
+  return {{"a", a.json.at("label")},
+          {"b", b.json.at("label")},
+          {"pairs", a.position_rmse.size()},
+          {"wins_a", wins_a},
+          {"wins_b", wins_b},
+          {"position_rmse_difference_m", json_of(bootstrap(differences, mean))}};
+}
+
+double median_of(const std::vector<double>& samples) { return median(samples); }
+
+// The RMSE of each run over what the bound states for its seed. A few lost runs can make the RMSE
+// of all, the median tells of a usual one.
+Json over_bound(const Finished& cell, const Finished& bound) {
+  std::vector<double> ratios, errors, bounds;
+  Json runs = Json::array();
+  for (const auto& [seed, rmse] : cell.position_rmse) {
+    const auto sigma = bound.stated_sigma.find(seed);
+    if (sigma == bound.stated_sigma.end() || !std::isfinite(rmse)) continue;
+    ratios.push_back(rmse / sigma->second);
+    errors.push_back(rmse);
+    bounds.push_back(sigma->second);
+    runs.push_back({{"seed", seed},
+                    {"position_rmse_m", rmse},
+                    {"bound_m", sigma->second},
+                    {"nees_pose", cell.pose_nees.at(seed)}});
+  }
+  return {{"runs", runs},
+          {"position", root_mean_square(errors) / root_mean_square(bounds)},
+          {"median", json_of(bootstrap(ratios, median_of))}};
+}
+
+bool is_bound(const Finished& cell) { return cell.json.at("estimator") == kBound; }
+
+void add_bound(std::vector<Finished>& cells) {
+  for (const Finished& bound : cells) {
+    if (!is_bound(bound) || !bound.json.contains("per_frame")) continue;
+    for (Finished& cell : cells) {
+      // Nor a batch's, which has smoothed: this bound is that of filtering.
+      const bool filters = !cell.json.contains("smoothed_anees");
+      if (is_bound(cell) || !cell.json.contains("per_frame") || !filters) continue;
+      cell.json["rmse_over_bound"] = over_bound(cell, bound);
+    }
+  }
+}
+
+Json group_json(const StudyCell& first, std::vector<Finished> cells) {
+  Json group = {{"name", first.group}, {"scenario", first.scenario}, {"scene", first.scene}};
+  group["sweep"] = Json::object();
+  for (const auto& [key, value] : first.sweep) group["sweep"][key] = value;
+  add_bound(cells);
+  group["cells"] = Json::array();
+  group["pairs"] = Json::array();
+  for (std::size_t a = 0; a < cells.size(); ++a) {
+    for (std::size_t b = a + 1; b < cells.size(); ++b) {
+      if (is_bound(cells[a]) || is_bound(cells[b])) continue;
+      group["pairs"].push_back(pair_json(cells[a], cells[b]));
+    }
+  }
+  for (Finished& cell : cells) group["cells"].push_back(std::move(cell.json));
+  return group;
+}
+
+Json heading(const Study& study) {
+  Json json = {{"format", "slammot-summary-1"},
+               {"version", SLAMMOT_VERSION},
+               {"name", study.name},
+               {"title", study.title},
+               {"runs", study.runs},
+               {"first_seed", study.first_seed},
+               {"figures", study.figures},
+               {"groups", Json::array()}};
+  if (study.reference) {
+    json["reference"] = {{"label", study.reference->label},
+                         {"static", study.reference->statics},
+                         {"moving", study.reference->movings}};
+  }
+  return json;
+}
+
+}  // namespace
+
+Json summarise_study(const Study& study, const std::filesystem::path& folder) {
+  Json json = heading(study);
+  CellLines results(folder / "results.jsonl"), timing(folder / "timing.jsonl");
+  for (std::size_t i = 0; i < study.cells.size();) {
+    const StudyCell& first = study.cells[i];
+    std::vector<Finished> cells;
+    for (; i < study.cells.size() && study.cells[i].group == first.group; ++i) {
+      cells.push_back(summarise_cell(study.cells[i], i, results, timing));
+    }
+    json["groups"].push_back(group_json(first, std::move(cells)));
+  }
+  return json;
+}
+
+}  // namespace slammot

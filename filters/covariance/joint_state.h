@@ -1,0 +1,95 @@
+// The joint state chi = (camera, anchors, landmarks) of the EKF, thesis (2.1), with its covariance.
+//
+// Landmarks born in one frame share one anchor: its rows are identical for all of them for ever, so
+// they are stored once. Layout of the error state: camera 12, the scene's depth (1) when it is to
+// be learnt, the adjoint of the far part where there is one (far_part.h), then places of 3 in any
+// order: an anchor, the y of a landmark, the w of a free one.
+#pragma once
+
+#include <map>
+#include <optional>
+
+#include "estimation/track_policy.h"
+#include "filters/covariance/far_part.h"
+#include "filters/covariance/joint_covariance.h"
+#include "models/camera_state.h"
+
+namespace slammot {
+
+struct FilterAnchor {
+  Eigen::Vector3d position;
+  StateBlock block;
+  int landmarks = 0;  // how many use it
+};
+
+struct FilterLandmark {
+  TrackRecord record;
+  int anchor = 0;                               // key of JointState::anchors
+  Eigen::Vector3d y;                            // (theta, phi, rho)
+  Eigen::Vector3d w = Eigen::Vector3d::Zero();  // motion, of the landmark model; zero when static
+  StateBlock y_block;
+  StateBlock w_block;  // empty when static
+
+  bool is_free() const { return w_block.dim > 0; }
+  bool is_far() const { return y_block.far; }
+  int dim() const { return y_block.dim + w_block.dim; }
+  Vector6d x() const { return (Vector6d() << y, w).finished(); }
+};
+
+// The mean inverse depth of the scene at first sight, when it is to be learnt: all landmarks'
+// priors share its error (LandmarkPrior::mean_sigma).
+struct FilterScene {
+  double inverse_depth = 0.0;
+  StateBlock block;  // 1
+};
+
+struct JointState {
+  CameraState camera;
+  std::optional<FilterScene> scene;
+  std::map<int, FilterAnchor> anchors;      // by the index of the frame they were born in
+  std::map<int, FilterLandmark> landmarks;  // by track
+  JointCovariance covariance;               // of all but the far part
+  FarPart far;
+
+  static constexpr StateBlock kCamera{0, kCameraDim};
+  static constexpr StateBlock kPose{0, 6};
+
+  // x := x [+] dx for the whole state. P is then expressed in the coordinates at the new estimate:
+  // the error of the rotation is multiplied by the right Jacobian of its correction.
+  void correct(Eigen::Ref<const Eigen::VectorXd> dx);
+
+  // The same without touching P: for an iterate.
+  void move(Eigen::Ref<const Eigen::VectorXd> dx);
+
+  // Rows of the error state, those of the far part included.
+  int size() const { return covariance.size() - far.adjoint().dim + far.size(); }
+
+  // The covariance of (anchor, y, w) of a landmark.
+  Eigen::MatrixXd marginal(const FilterLandmark& landmark) const;
+
+  // joint_state_far.cpp. Static landmarks, in the order of their tracks, and anchors that no near
+  // one uses then, go to the far part; a far landmark comes back with its anchor. Rows of near
+  // landmarks may move.
+  void rest(const std::vector<int>& tracks);
+  void bring_back(int track);
+
+  // The estimates of the far part follow what was corrected since this was last done.
+  void correct_far();
+
+  // Removes landmarks, and anchors that nobody uses any more.
+  void remove_landmarks(const std::vector<int>& tracks);
+
+  // A landmark becomes static: its motion is dropped from the state (its rows are marginalised).
+  void drop_motion(int track);
+
+  // A static landmark is free again, with w ~ N(0, sigma^2 I).
+  void free_motion(int track, double sigma);
+
+ private:
+  // The rows of `from` are now those of `to`.
+  void follow(StateBlock from, StateBlock to);
+  void remove_block(StateBlock block);
+  StateBlock bring_back(StateBlock block);
+};
+
+}  // namespace slammot

@@ -1,0 +1,31 @@
+// Images of a room, and the sequence folder they are written to.
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+
+#include "datasets/sequence/sequence.h"
+#include "frontend/rendering/room.h"
+
+namespace slammot {
+
+// The image of a frame, 8-bit grey: four rays a pixel, mean over the exposure (which ends half its
+// length after the frame's time), blur and noise. The same bytes for any number of threads.
+cv::Mat render(const Room& room, const RoomOptions& options, std::uint64_t seed, int frame);
+
+// Camera, frames, images, true poses, and what the maker states: first camera, motion noise, and
+// the prior of depth as the room has it. No observations: these are the front end's.
+Sequence room_sequence(const RoomOptions& options, std::uint64_t seed);
+
+// Writes a native folder of that sequence without observations, its images, and room.yaml, from
+// which the truth of any pixel can be had again. Overrides as `slammot simulate --set`; throws
+// std::invalid_argument for what is not allowed.
+Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
+                    const std::filesystem::path& folder);
+
+// Where `images` (a folder with room.yaml; else nothing is done) was rendered: fills the truth of
+// every track of `sequence`, which is where its first pixel lies on a surface, and states four
+// known points of the first frame.
+void add_room_truth(const std::filesystem::path& images, Sequence& sequence);
+
+}  // namespace slammot

@@ -1,0 +1,66 @@
+// A room to be rendered: textured walls, boxes that stand in it and boxes that move through it, and
+// the path of a camera. Everything is exact, so that truth is known for whatever the front end
+// picks out.
+//
+// World W: y down, the camera starts at the origin and looks along z. Boxes have their sides along
+// the axes and move at constant velocity; their texture is solid (a function of the place within
+// the box), so it moves with them and needs no unwrapping.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <vector>
+
+#include "datasets/simulation/scene/parameters.h"
+#include "models/camera.h"
+#include "models/camera_state.h"
+
+namespace slammot {
+
+struct RoomOptions {
+  int frames = 75;
+  double rate = 15.0;  // [Hz]
+  int width = 320, height = 240;
+  double field_of_view_deg = 79.48;  // horizontal, of the pinhole
+  double k1 = 0.0, k2 = 0.0;         // radial distortion, as in radtan
+  double blur = 0.7;                 // sigma of the optics' blur [px]
+  double exposure = 0.0;             // [s]; the image is the mean over it: motion blur
+  double grain = 2.0;                // sigma of the sensor's noise [grey levels]
+  int bodies = 3;                    // that move
+  double body_speed = 1.0;           // [m/s]
+};
+Parameters parameters(RoomOptions& options);
+
+struct RoomBox {
+  Eigen::AlignedBox3d at_start;  // W, at time 0
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  std::uint32_t texture = 0;
+
+  bool moves() const { return !velocity.isZero(0.0); }
+};
+
+struct RoomHit {
+  double distance;           // along the ray, in its lengths
+  const RoomBox* box;        // what was hit
+  Eigen::Vector3d at_start;  // the point, where it was at time 0 (W)
+};
+
+class Room {
+ public:
+  Room(const RoomOptions& options, std::uint64_t seed);
+
+  Camera camera() const;
+  CameraState camera_at(double time) const;
+  // What a ray from inside the room meets first.
+  RoomHit cast(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, double time) const;
+
+ private:
+  RoomOptions options_;
+  RoomBox walls_;  // seen from inside
+  std::vector<RoomBox> boxes_;
+};
+
+// Brightness of a point, 0 to 255.
+double brightness(const RoomHit& hit);
+
+}  // namespace slammot

@@ -1,0 +1,142 @@
+// The sequence that a room makes: folder, statements and truth.
+#include <fmt/format.h>
+
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "datasets/native/native_format.h"
+#include "datasets/native/native_writer.h"
+#include "datasets/simulation/scene/known_landmarks.h"
+#include "datasets/simulation/scene/statements.h"
+#include "datasets/text/text_table.h"
+#include "datasets/text/yaml_map.h"
+#include "frontend/rendering/render.h"
+
+namespace slammot {
+namespace {
+
+constexpr char kRoomFile[] = "room.yaml";
+constexpr char kRoomFormat[] = "slammot-room-1";
+
+// Of what the camera sees, on a coarse grid over image and time.
+LandmarkPrior seen_depths(const Room& room, const RoomOptions& options) {
+  const Camera camera = room.camera();
+  double sum = 0.0, squares = 0.0, count = 0.0;
+  for (int frame = 0; frame < options.frames; frame += 5) {
+    const double time = frame / options.rate;
+    const CameraState at = room.camera_at(time);
+    for (int k = 0; k < 64; ++k) {
+      const int column = k % 8, row = k / 8;
+      const Eigen::Vector2d pixel((column + 0.5) * camera.width / 8.0,
+                                  (row + 0.5) * camera.height / 8.0);
+      const Eigen::Vector3d ray = at.orientation * camera.unproject(pixel)->ray.normalized();
+      const double inverse_depth = 1.0 / room.cast(at.position, ray, time).distance;
+      sum += inverse_depth;
+      squares += inverse_depth * inverse_depth;
+      ++count;
+    }
+  }
+  LandmarkPrior prior;
+  prior.inverse_depth = sum / count;
+  prior.inverse_depth_sigma =
+      std::sqrt(squares / count - prior.inverse_depth * prior.inverse_depth);
+  return prior;
+}
+
+void write_room_file(RoomOptions options, std::uint64_t seed, const std::filesystem::path& file) {
+  std::ofstream out(file, std::ios::binary);
+  out.exceptions(std::ios::badbit | std::ios::failbit);
+  out << fmt::format("format: {}\nseed: {}\n", kRoomFormat, seed);
+  for (const ScenarioParameter& parameter : describe(parameters(options))) {
+    out << fmt::format("{}: {}\n", parameter.name, parameter.value);
+  }
+}
+
+struct StoredRoom {
+  RoomOptions options;
+  std::uint64_t seed;
+};
+
+StoredRoom read_room_file(const std::filesystem::path& file) {
+  YamlMap map = load_yaml(file, read_text_file(file));
+  if (map.text("format") != kRoomFormat) {
+    map.refuse(map.take("format"), fmt::format("'format' must be '{}'", kRoomFormat));
+  }
+  StoredRoom stored;
+  stored.seed = static_cast<std::uint64_t>(map.real("seed"));
+  const Parameters table = parameters(stored.options);
+  ScenarioOverrides values;
+  for (const ScenarioParameter& parameter : describe(table)) {
+    values[parameter.name] = map.text(parameter.name);
+  }
+  map.finish();
+  try {
+    apply(values, "room", table);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(file, 0, error.what());
+  }
+  return stored;
+}
+
+}  // namespace
+
+Sequence room_sequence(const RoomOptions& options, std::uint64_t seed) {
+  const Room room(options, seed);
+  Sequence sequence;
+  sequence.name = fmt::format("room-{}", seed);
+  sequence.camera = room.camera();
+  sequence.exact_truth = true;
+  for (int i = 0; i < options.frames; ++i) {
+    const double time = i / options.rate;
+    sequence.frames.push_back({i, time, {}});
+    sequence.images.push_back(fmt::format("images/{:06}.png", i));
+    sequence.truth.emplace_back(room.camera_at(time));
+  }
+  state(StatementOptions{}, seen_depths(room, options), seed, sequence);
+  return sequence;
+}
+
+Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
+                    const std::filesystem::path& folder) {
+  RoomOptions options;
+  apply(overrides, "room", parameters(options));
+  Sequence sequence = room_sequence(options, seed);
+  write_native(sequence, folder);
+  std::filesystem::remove(folder / native::kObservations);
+  write_room_file(options, seed, folder / kRoomFile);
+  std::filesystem::create_directories(folder / "images");
+  const Room room(options, seed);
+  for (int i = 0; i < options.frames; ++i) {
+    const auto file = folder / sequence.images[static_cast<size_t>(i)];
+    if (!cv::imwrite(file.string(), render(room, options, seed, i))) {
+      throw std::runtime_error(file.string() + ": cannot be written");
+    }
+  }
+  return sequence;
+}
+
+void add_room_truth(const std::filesystem::path& images, Sequence& sequence) {
+  if (!std::filesystem::exists(images / kRoomFile)) return;
+  const StoredRoom stored = read_room_file(images / kRoomFile);
+  const Room room(stored.options, stored.seed);
+  std::map<int, RoomHit> hits;
+  for (const Frame& frame : sequence.frames) {
+    const CameraState camera = room.camera_at(frame.timestamp);
+    for (const Observation& z : frame.observations) {
+      if (!hits.contains(z.track)) {
+        const Eigen::Vector3d ray = camera.orientation * sequence.camera.unproject(z.pixel)->ray;
+        hits.emplace(z.track, room.cast(camera.position, ray, frame.timestamp));
+      }
+      const RoomHit& hit = hits.at(z.track);
+      TrueLandmark& landmark = sequence.landmarks[z.track];
+      landmark.label = hit.box->moves() ? Label::kMoving : Label::kStatic;
+      if (landmark.label == Label::kStatic && !landmark.by_frame.empty()) continue;
+      landmark.by_frame[frame.index] = {hit.at_start + hit.box->velocity * frame.timestamp,
+                                        hit.box->velocity};
+    }
+  }
+  sequence.exact_truth = true;
+  sequence.known = choose_known(KnownOptions{}, sequence, stored.seed);
+}
+
+}  // namespace slammot

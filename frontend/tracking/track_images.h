@@ -1,0 +1,38 @@
+// From a sequence of images to the same sequence with measurements.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/sequence/sequence.h"
+#include "frontend/tracking/chessboard.h"
+#include "frontend/tracking/noise.h"
+#include "frontend/tracking/tracker.h"
+
+namespace slammot {
+
+struct TrackOptions {
+  TrackerOptions tracker;
+  std::optional<Chessboard> chessboard;  // in the first image
+  bool skip_bad_frames = false;          // leave them out instead of throwing
+  bool moving_start = false;             // leave out what the first image shows beside the board
+  bool mixed_colours = false;            // take grey images among colour ones
+  int threads = 0;                       // 0: as many as there are cores
+  std::function<void(int done, int total)> progress;  // after each image; may be empty
+};
+
+struct TrackedImages {
+  Sequence sequence;  // frames 0, 1, ... of the images used; images as they were named
+  std::optional<TrackNoise> noise;  // is the sequence's pixel_sigma; nothing: that is as it was
+  int tracks = 0;
+  std::vector<std::string> skipped;  // why, one line each
+};
+
+// `images` as read_images() gives it. One image is decoded while the one before is tracked; none is
+// kept. Throws InputError for the first bad image (or when none is good), and when the chessboard
+// is not found; std::runtime_error for what OpenCV refuses.
+TrackedImages track_images(const Sequence& images, const TrackOptions& options);
+
+}  // namespace slammot

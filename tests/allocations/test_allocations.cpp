@@ -1,0 +1,92 @@
+// A filter that has warmed up asks for no memory: its matrices and lists keep what they had. Only a
+// birth does, for the landmark itself.
+//
+// Counts what reaches malloc, from Eigen and the standard library alike; so this is a program of
+// its own, and without a test under a sanitizer, which has its own malloc.
+#include <gtest/gtest.h>
+
+#include "eval/run/process.h"
+#include "filters/ekf.h"
+#include "models/observation.h"
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+
+namespace {
+
+thread_local long allocations = 0;
+
+}  // namespace
+
+extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* malloc(std::size_t size) {
+  ++allocations;
+  return __libc_malloc(size);
+}
+
+namespace slammot {
+namespace {
+
+Setup wall_setup() {
+  Setup setup;
+  setup.camera.fx = setup.camera.fy = 400.0;
+  setup.camera.cx = 319.5;
+  setup.camera.cy = 239.5;
+  setup.camera_noise = {0.3, 0.1, NoiseDiscretisation::kWhiteNoise};
+  setup.prior = {0.2, 0.05, 0.0, 2.0, 0.1};
+  setup.initial.velocity_sigma = 0.5;
+  setup.initial.angular_velocity_sigma = 0.1;
+  for (int track = 0; track < 40; ++track) {
+    setup.true_labels[track] = track % 4 == 0 ? Label::kMoving : Label::kStatic;
+  }
+  return setup;
+}
+
+// A camera that swings to and fro before a wall of 40 points, of which every fourth moves.
+Frame wall_frame(const Setup& setup, int index) {
+  const double t = index / 15.0;
+  const Eigen::Vector3d r(0.5 * std::sin(t), 0.2 * std::sin(0.7 * t), 0.0);
+  Frame frame{index, t, {}};
+  for (int track = 0; track < 40; ++track) {
+    Eigen::Vector3d point(0.5 * (track % 8) - 1.75, 0.6 * (track / 8) - 1.2, 4.0 + track % 3);
+    if (track % 4 == 0) point.x() = 0.05 * track - 2.0 + 0.4 * t;
+    const auto seen = setup.camera.project(point - r);
+    frame.observations.push_back({track, seen->pixel});
+  }
+  return frame;
+}
+
+TEST(Ekf, AllocatesNothingOnceItHasWarmedUp) {
+  prepare_process();  // more BLAS threads would have buffers of their own
+  const auto setup = wall_setup();
+  for (const char* labels : {"one_way", "reversible"}) {
+    ModelOptions models;
+    models.labels.name = labels;
+    models.classifier.name = "truth";
+    const auto ekf = make_ekf(setup, models, {});
+    NoStages stages;
+    long first = 0, warm = 0, counted = 0;
+    int size = 0, largest = 0;  // of the state: before the frame, and in all frames before it
+    for (int index = 0; index < 80; ++index) {
+      const Frame frame = wall_frame(setup, index);
+      const long before = allocations;
+      const FrameReport report = ekf->process(frame, stages);
+      const long here = allocations - before;
+      const bool grown = size > largest;
+      largest = std::max(largest, size);
+      size = report.state_size;
+      if (index == 0) first = here;
+      if (index < 60 || grown || report.admitted > 0 || !report.retired.empty()) continue;
+      ASSERT_GE(report.accepted, 30) << "frame " << index;
+      warm += here;
+      ++counted;
+    }
+    EXPECT_GT(first, 40) << "the counter does not count";
+    EXPECT_GT(counted, 10);
+    EXPECT_EQ(warm, 0) << labels;
+  }
+}
+
+}  // namespace
+}  // namespace slammot
+
+#endif

@@ -1,0 +1,50 @@
+// What the tests of datasets/ share: a small sequence in the native format, and the pixel at which
+// a landmark truly is.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "datasets/sequence/sequence.h"
+#include "tests/temporary_folder.h"
+
+namespace slammot::test {
+
+inline const std::map<std::string, std::string> kGood = {
+    {"sequence.yaml",
+     "format: slammot-sequence-1\n"
+     "name: small\n"
+     "camera: {model: radtan, width: 320, height: 240, fx: 170, fy: 171, cx: 160, cy: 120, "
+     "distortion: [0.1, 0.2]}\n"
+     "pixel_sigma: 1.5\n"
+     "motion: {acceleration: 6, angular_acceleration: 5}\n"
+     "prior: {inverse_depth: 0.3, inverse_depth_sigma: 0.15, max_speed: 2}\n"},
+    {"frames.csv", "frame,timestamp\n0,0\n1,0.1\n2,0.2\n"},
+    {"observations.csv", "frame,track,u,v\n0,5,1,2\n0,3,3.5,4\n2,3,5,6\n"},
+    {"groundtruth.tum",
+     "# timestamp tx ty tz qx qy qz qw\n"
+     "0.001 0 0 0 0 0 0 1\n0.101 1 0 0 0 0 0 1\n0.26 3 0 0 0 0 0 1\n"},
+    {"landmarks.csv",
+     "track,frame,class,x,y,z,vx,vy,vz\n3,0,static,1,2,3,0,0,0\n"
+     "5,0,moving,1,2,3,0,0,1\n5,1,moving,1,2,4,0,0,1\n"},
+    {"known.csv", "track,x,y,z,sigma\n3,1,2,3,0.001\n"},
+    {"initial.yaml",
+     "position: [0, 0, 1]\nquaternion: [0, 0, 0, 1]\nvelocity: [0, 0, 0.5]\n"
+     "angular_velocity: [0, 0.1, 0]\n"
+     "sigma: {position: 1e-6, rotation: 1e-5, velocity: 0.1, angular_velocity: 0.2}\n"},
+};
+
+inline void write_good(const std::filesystem::path& folder) {
+  for (const auto& [name, text] : kGood) write_text(folder / name, text);
+}
+
+inline std::optional<Eigen::Vector2d> true_pixel(const Sequence& s, std::size_t frame, int track) {
+  const TruePoint* point = s.landmarks.at(track).at(s.frames[frame].index);
+  const CameraState& x = *s.truth[frame];
+  const auto p = s.camera.project(x.orientation.conjugate() * (point->position - x.position));
+  return p ? std::optional(p->pixel) : std::nullopt;
+}
+
+}  // namespace slammot::test

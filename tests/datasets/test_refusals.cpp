@@ -1,0 +1,173 @@
+// What a reader refuses, and that it names file, line and reason.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "datasets/readers/reader.h"
+#include "tests/datasets/fixture.h"
+
+namespace slammot {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string refusal(const fs::path& folder) {
+  try {
+    read_sequence(folder);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(NativeReader, RefusesAMissingFolderAndMissingFiles) {
+  test::TemporaryFolder folder;
+  const fs::path nowhere = folder.path() / "nowhere";
+  EXPECT_EQ(refusal(nowhere), nowhere.string() + ":0: no such folder");
+  EXPECT_NE(refusal(folder.path()).find("not a sequence"), std::string::npos);
+  EXPECT_NE(refusal(folder.path()).find("groundTruth.txt"), std::string::npos);
+  for (const char* name : {"sequence.yaml", "frames.csv", "observations.csv"}) {
+    test::write_good(folder.path());
+    fs::remove(folder.path() / name);
+    EXPECT_EQ(refusal(folder.path()), (folder.path() / name).string() + ":0: no such file");
+  }
+  test::write_good(folder.path());
+  fs::remove(folder.path() / "observations.csv");
+  test::write_text(folder.path() / "frames.csv", "frame,timestamp,image\n0,0,a.png\n");
+  EXPECT_NE(refusal(folder.path()).find("observations.csv:0: no such file; the images must be"),
+            std::string::npos);
+}
+
+// One change of one good file, and what it must be refused with.
+struct Fault {
+  const char* name;
+  const char* file;
+  std::string from;
+  std::string to;
+  const char* message;  // after the folder
+};
+
+std::ostream& operator<<(std::ostream& stream, const Fault& fault) { return stream << fault.name; }
+
+class NativeRefusal : public testing::TestWithParam<Fault> {};
+
+TEST_P(NativeRefusal, NamesFileLineAndReason) {
+  const Fault& fault = GetParam();
+  test::TemporaryFolder folder;
+  test::write_good(folder.path());
+  std::string text = test::kGood.at(fault.file);
+  const size_t at = text.find(fault.from);
+  ASSERT_NE(at, std::string::npos);
+  test::write_text(folder.path() / fault.file, text.replace(at, fault.from.size(), fault.to));
+  const std::string reason = refusal(folder.path());
+  EXPECT_EQ(reason.find((folder.path() / fault.message).string()), 0u) << reason;
+  EXPECT_EQ(reason.find('\n'), std::string::npos) << reason;
+}
+
+const Fault kTableFaults[] = {
+    {"FewFields", "observations.csv", "2,3,5,6", "2,3,5",
+     "observations.csv:4: expected 4 fields, found 3"},
+    {"ManyFields", "observations.csv", "2,3,5,6", "2,3,5,6,7",
+     "observations.csv:4: expected 4 fields, found 5"},
+    {"BlankLine", "observations.csv", "0,3,3.5", "\n0,3,3.5",
+     "observations.csv:3: expected 4 fields, found 1"},
+    {"NotANumber", "observations.csv", "3.5", "3.5x", "observations.csv:3: '3.5x' is not a number"},
+    {"Empty", "observations.csv", "3.5", "", "observations.csv:3: '' is not a number"},
+    {"NaN", "observations.csv", "3.5", "nan", "observations.csv:3: 'nan' is not a finite number"},
+    {"Inf", "observations.csv", "3.5", "-inf", "observations.csv:3: '-inf' is not a finite number"},
+    {"DuplicateTrack", "observations.csv", "0,3,", "0,5,",
+     "observations.csv:3: track 5 stands twice in frame 0 (first in line 2)"},
+    {"NegativeTrack", "observations.csv", "0,3,", "0,-3,", "observations.csv:3: '-3' is negative"},
+    {"FractionalTrack", "observations.csv", "0,3,", "0,3.0,",
+     "observations.csv:3: '3.0' is not a whole number"},
+    {"NoSuchFrame", "observations.csv", "2,3,", "3,3,",
+     "observations.csv:4: frame 3 does not exist (frames.csv ends at 2)"},
+    {"ObservationsHeader", "observations.csv", "frame,track,u,v", "frame,track,x,y",
+     "observations.csv:1: the first line must be 'frame,track,u,v'"},
+    {"DecreasingTimestamps", "frames.csv", "2,0.2", "2,0.05",
+     "frames.csv:4: timestamp 0.05 does not follow 0.1: they must increase"},
+    {"EqualTimestamps", "frames.csv", "2,0.2", "2,0.1",
+     "frames.csv:4: timestamp 0.1 does not follow 0.1: they must increase"},
+    {"NaNTimestamp", "frames.csv", "0.2", "NaN", "frames.csv:4: 'NaN' is not a finite number"},
+    {"FrameNumber", "frames.csv", "1,0.1", "3,0.1",
+     "frames.csv:3: frame 3 stands where frame 1 must"},
+    {"ZeroFrames", "frames.csv", "\n0,0\n1,0.1\n2,0.2\n", "\n", "frames.csv:1: there is no frame"},
+    {"EmptyFrames", "frames.csv", "frame,timestamp\n0,0\n1,0.1\n2,0.2\n", "",
+     "frames.csv:1: the first line must be 'frame,timestamp' or 'frame,timestamp,image'"},
+    {"FramesHeader", "frames.csv", "frame,timestamp", "frame;timestamp",
+     "frames.csv:1: the first line must be 'frame,timestamp' or 'frame,timestamp,image'"},
+    {"PoseFields", "groundtruth.tum", "0.101 1 0 0 0 0 0 1", "0.101 1 0 0 0 0 0",
+     "groundtruth.tum:3: expected 8 fields, found 7"},
+    {"PoseOrder", "groundtruth.tum", "0.26 ", "0.1 ",
+     "groundtruth.tum:4: timestamp 0.1 does not follow 0.101: they must increase"},
+    {"PoseQuaternion", "groundtruth.tum", "0.101 1 0 0 0 0 0 1", "0.101 1 0 0 0 0 0 0",
+     "groundtruth.tum:3: the quaternion has length zero"},
+    {"PoseNaN", "groundtruth.tum", "0.101 1", "0.101 nan",
+     "groundtruth.tum:3: 'nan' is not a finite number"},
+    {"UnknownClass", "landmarks.csv", "3,0,static", "3,0,parked",
+     "landmarks.csv:2: unknown class 'parked' (known: static, moving)"},
+    {"StaticTwice", "landmarks.csv", "5,0,moving", "3,1,static",
+     "landmarks.csv:3: static track 3 has a second row"},
+    {"BothClasses", "landmarks.csv", "5,0,moving", "3,1,moving",
+     "landmarks.csv:3: track 3 is both static and moving"},
+    {"MovingTwice", "landmarks.csv", "5,1,moving", "5,0,moving",
+     "landmarks.csv:4: track 5 stands twice in frame 0"},
+    {"LandmarkFrame", "landmarks.csv", "5,1,moving", "5,7,moving",
+     "landmarks.csv:4: frame 7 does not exist"},
+    {"LandmarksHeader", "landmarks.csv", "vx,vy,vz", "u,v,w",
+     "landmarks.csv:1: the first line must be 'track,frame,class,x,y,z,vx,vy,vz'"},
+    {"KnownSigma", "known.csv", "0.001", "0", "known.csv:2: '0' is not greater than zero"},
+    {"KnownTwice", "known.csv", "3,1,2,3,0.001\n", "3,1,2,3,1\n3,1,2,3,1\n",
+     "known.csv:3: track 3 stands twice"},
+    {"KnownHeader", "known.csv", "sigma", "s",
+     "known.csv:1: the first line must be 'track,x,y,z,sigma'"},
+};
+
+const Fault kSettingsFaults[] = {
+    {"Format", "sequence.yaml", "slammot-sequence-1", "slammot-sequence-9",
+     "sequence.yaml:1: 'format' must be 'slammot-sequence-1'"},
+    {"NoFormat", "sequence.yaml", "format: slammot-sequence-1\n", "",
+     "sequence.yaml:1: 'format' is missing in the file"},
+    {"UnknownKey", "sequence.yaml", "pixel_sigma: 1.5", "pixel_sigma: 1.5\npixle_sigma: 1",
+     "sequence.yaml:5: unknown key 'pixle_sigma' in the file (known: "},
+    {"UnknownCameraKey", "sequence.yaml", "fx: 170", "fx: 170, f: 1",
+     "sequence.yaml:3: unknown key 'f' in 'camera' (known: "},
+    {"RepeatedKey", "sequence.yaml", "name: small", "name: small\nname: big",
+     "sequence.yaml:3: 'name' stands twice"},
+    {"CameraModel", "sequence.yaml", "radtan", "fisheye62",
+     "sequence.yaml:3: unknown camera model 'fisheye62'"},
+    {"Distortion", "sequence.yaml", "[0.1, 0.2]", "[0.1, 0.2, 0, 0, 0]",
+     "sequence.yaml:3: camera model 'radtan' takes at most 4"},
+    {"Focal", "sequence.yaml", "fx: 170", "fx: 0",
+     "sequence.yaml:3: 'fx' must be greater than zero"},
+    {"FocalNaN", "sequence.yaml", "fx: 170", "fx: nan",
+     "sequence.yaml:3: 'fx' must be a finite number"},
+    {"Width", "sequence.yaml", "width: 320", "width: 320.5",
+     "sequence.yaml:3: 'width' must be a whole number"},
+    {"PixelSigma", "sequence.yaml", "pixel_sigma: 1.5", "pixel_sigma: -1",
+     "sequence.yaml:4: 'pixel_sigma' must be greater than zero"},
+    {"PixelSigmaText", "sequence.yaml", "pixel_sigma: 1.5", "pixel_sigma: one",
+     "sequence.yaml:4: 'pixel_sigma' must be a number, not 'one'"},
+    {"Motion", "sequence.yaml", "acceleration: 6,", "",
+     "sequence.yaml:5: 'acceleration' is missing in 'motion'"},
+    {"Prior", "sequence.yaml", "inverse_depth_sigma: 0.15", "inverse_depth_sigma: 0",
+     "sequence.yaml:6: 'inverse_depth_sigma' must be greater than zero"},
+    {"NotAMap", "sequence.yaml", "{acceleration: 6, angular_acceleration: 5}", "6",
+     "sequence.yaml:5: 'motion' must be a map"},
+    {"Syntax", "sequence.yaml", "name: small", "name: [small", "sequence.yaml:"},
+    {"InitialKey", "initial.yaml", "velocity: [0, 0, 0.5]", "velocity: [0, 0, 0.5]\nspeed: 1",
+     "initial.yaml:4: unknown key 'speed'"},
+    {"InitialLength", "initial.yaml", "[0, 0, 0.5]", "[0, 0.5]",
+     "initial.yaml:3: 'velocity' must have 3 numbers, not 2"},
+    {"InitialQuaternion", "initial.yaml", "[0, 0, 0, 1]", "[0, 0, 0, 0]",
+     "initial.yaml:2: the quaternion has length zero"},
+    {"InitialSigma", "initial.yaml", "velocity: 0.1", "velocity: 0",
+     "initial.yaml:5: 'velocity' must be greater than zero"},
+};
+
+const auto kName = [](const auto& parameter) { return std::string(parameter.param.name); };
+INSTANTIATE_TEST_SUITE_P(Tables, NativeRefusal, testing::ValuesIn(kTableFaults), kName);
+INSTANTIATE_TEST_SUITE_P(Settings, NativeRefusal, testing::ValuesIn(kSettingsFaults), kName);
+
+}  // namespace
+}  // namespace slammot

@@ -1,0 +1,144 @@
+// Every scenario: determinism, exact geometry, honest statements, refusals.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "datasets/simulation/scenario.h"
+#include "tests/datasets/fixture.h"
+
+namespace slammot {
+namespace {
+
+std::vector<double> numbers_of(const Sequence& s) {
+  std::vector<double> numbers;
+  for (size_t i = 0; i < s.frames.size(); ++i) {
+    for (const Observation& z : s.frames[i].observations) {
+      numbers.insert(numbers.end(), {double(z.track), z.pixel.x(), z.pixel.y()});
+    }
+    const CameraState& x = *s.truth[i];
+    numbers.insert(numbers.end(), x.position.data(), x.position.data() + 3);
+    numbers.insert(numbers.end(), x.velocity.data(), x.velocity.data() + 3);
+  }
+  for (const KnownLandmark& known : s.known) numbers.push_back(known.position.x());
+  numbers.push_back(s.initial->state.velocity.x());
+  return numbers;
+}
+
+class EveryScenario : public testing::TestWithParam<const ScenarioRow*> {
+ protected:
+  std::string_view name() const { return GetParam()->name; }
+};
+
+TEST_P(EveryScenario, SameSeedSameNumbersOtherSeedOtherNumbers) {
+  const auto a = numbers_of(simulate(name(), {}, 7));
+  EXPECT_EQ(a, numbers_of(simulate(name(), {}, 7)));
+  EXPECT_NE(a, numbers_of(simulate(name(), {}, 8)));
+}
+
+TEST_P(EveryScenario, WithoutNoisePixelsAreProjections) {
+  const Sequence s = simulate(name(), {{"noise", "0"}}, 1);
+  EXPECT_GT(s.pixel_sigma, 0.0);
+  for (size_t i = 0; i < s.frames.size(); ++i) {
+    int before = -1;
+    for (const Observation& z : s.frames[i].observations) {
+      ASSERT_GT(z.track, before);  // each once, in increasing order
+      before = z.track;
+      const auto pixel = test::true_pixel(s, i, z.track);
+      ASSERT_TRUE(pixel);
+      EXPECT_LT((*pixel - z.pixel).norm(), 1e-9);
+      EXPECT_TRUE(s.camera.in_image(z.pixel));
+    }
+  }
+}
+
+TEST_P(EveryScenario, PixelNoiseIsAsStatedUnlessItIsNot) {
+  const Sequence s = simulate(name(), {{"noise", "2"}}, 1);
+  EXPECT_EQ(s.pixel_sigma, 2.0);
+  double squares = 0.0;
+  int count = 0;
+  for (size_t i = 0; i < s.frames.size(); ++i) {
+    for (const Observation& z : s.frames[i].observations) {
+      squares += (*test::true_pixel(s, i, z.track) - z.pixel).squaredNorm();
+      count += 2;
+    }
+  }
+  const double standard_error = 4.0 * std::sqrt(2.0 / count);
+  EXPECT_NEAR(squares / count, 4.0, 4.0 * standard_error);
+  EXPECT_EQ(simulate(name(), {{"stated_noise", "0.5"}}, 1).pixel_sigma, 0.5);
+}
+
+TEST_P(EveryScenario, NoiseShiftsNothingElse) {
+  const Sequence a = simulate(name(), {}, 3), b = simulate(name(), {{"noise", "0.1"}}, 3);
+  ASSERT_EQ(a.frames.size(), b.frames.size());
+  for (size_t i = 0; i < a.frames.size(); ++i) {
+    EXPECT_EQ(a.truth[i]->position, b.truth[i]->position);
+    ASSERT_EQ(a.frames[i].observations.size(), b.frames[i].observations.size());
+  }
+}
+
+TEST_P(EveryScenario, IsCompleteAndHonest) {
+  const Sequence s = simulate(name(), {}, 1);
+  EXPECT_EQ(s.name, std::string(name()) + "-1");
+  EXPECT_TRUE(s.exact_truth);
+  EXPECT_GE(s.known.size(), 4u);
+  ASSERT_TRUE(s.motion && s.prior && s.initial);
+  EXPECT_GT(s.motion->acceleration, 0.0);
+  EXPECT_LT((s.initial->state.position - s.truth[0]->position).norm(), 0.01);
+  EXPECT_LT((s.initial->state.velocity - s.truth[0]->velocity).norm(), 0.5);
+  const size_t frame0 = s.frames[0].observations.size();
+  EXPECT_GE(frame0, 8u);
+  for (const Observation& z : s.frames[0].observations) {
+    EXPECT_EQ(s.landmarks.at(z.track).label, Label::kStatic);  // what enters as static is static
+  }
+}
+
+TEST_P(EveryScenario, TruthVelocitiesAreDerivatives) {
+  if (name() == "matched") return;  // a random walk has none
+  ScenarioOverrides fine{{"rate", "600"}, {"frames", "12000"}, {"static", "0"}, {"moving", "0"}};
+  fine["loop_frames"] = "18000";
+  if (name().starts_with("helix")) fine = {{"rate", "600"}, {"frames", "4000"}};
+  const Sequence s = simulate(name(), fine, 1);
+  for (size_t i = 1; i + 1 < s.frames.size(); ++i) {
+    const double dt = 2.0 / 600.0;
+    const CameraState& a = *s.truth[i - 1];
+    const CameraState& b = *s.truth[i + 1];
+    EXPECT_LT(((b.position - a.position) / dt - s.truth[i]->velocity).norm(), 1e-4);
+    const Eigen::Quaterniond turn = a.orientation.conjugate() * b.orientation;
+    const Eigen::Vector3d omega = log_so3(turn) / dt;
+    EXPECT_LT((omega - s.truth[i]->angular_velocity).norm(), 1e-4);
+  }
+}
+
+TEST_P(EveryScenario, RefusesUnknownKeysAndBadValues) {
+  const auto reason = [&](const ScenarioOverrides& overrides) -> std::string {
+    try {
+      simulate(name(), overrides, 1);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_NE(reason({{"nosuch", "1"}}).find("unknown key 'nosuch'"), std::string::npos);
+  EXPECT_NE(reason({{"nosuch", "1"}}).find("noise"), std::string::npos);
+  EXPECT_NE(reason({{"noise", "x"}}).find("noise: 'x' is not a finite number"), std::string::npos);
+  EXPECT_NE(reason({{"frames", "0"}}).find("at least 1"), std::string::npos);
+  EXPECT_NE(reason({{"rate", "0"}}).find("greater than 0"), std::string::npos);
+  const std::string qualified = std::string(name()) + ".frames";
+  EXPECT_EQ(simulate(name(), {{qualified, "5"}}, 1).frames.size(), 5u);
+  EXPECT_FALSE(GetParam()->parameters().empty());
+}
+
+std::vector<const ScenarioRow*> rows() {
+  std::vector<const ScenarioRow*> rows;
+  for (const ScenarioRow& row : scenario_table()) rows.push_back(&row);
+  return rows;
+}
+INSTANTIATE_TEST_SUITE_P(Table, EveryScenario, testing::ValuesIn(rows()),
+                         [](const auto& row) { return std::string(row.param->name); });
+
+TEST(Scenario, UnknownNameIsRefused) {
+  EXPECT_THROW(simulate("circles", {}, 1), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace slammot

@@ -1,0 +1,126 @@
+// The classifiers and the track policy by themselves, on beliefs whose answer is known.
+#include <gtest/gtest.h>
+
+#include "estimation/classification.h"
+#include "estimation/track_policy.h"
+#include "models/landmarks/dynamic_inverse_depth.h"
+#include "models/landmarks/scaled_velocity.h"
+
+namespace slammot {
+namespace {
+
+// w with the same sigma in each component.
+MotionBelief belief(const Eigen::Vector3d& w, double sigma) {
+  MotionBelief b;
+  b.w = w;
+  b.covariance = sigma * sigma * Eigen::Matrix3d::Identity();
+  return b;
+}
+
+Label decide(const std::string& name, const MotionBelief& b) {
+  ClassifierOptions options;
+  options.name = name;
+  return make_classifier(options, {})->decide(b);
+}
+
+TEST(Thesis, StaticWhenTheDensityAtRestExceedsItsThreshold) {
+  // (2 pi)^-1.5 sigma^-3 = 1.6 (m/s)^-3 at sigma = 0.3411 m/s.
+  const double limit = std::cbrt(std::pow(2.0 * M_PI, -1.5) / 1.6);
+  EXPECT_NEAR(limit, 0.3411, 1e-4);
+  EXPECT_EQ(decide("thesis", belief({0, 0, 0}, 0.999 * limit)), Label::kStatic);
+  EXPECT_EQ(decide("thesis", belief({0, 0, 0}, 1.001 * limit)), Label::kUnknown);
+  // Off rest the density falls by exp(-C_m^2 / 2).
+  EXPECT_NEAR(density_at_zero({0.2, 0, 0}, 0.01 * Eigen::Matrix3d::Identity()),
+              std::exp(-2.0) / (std::pow(2.0 * M_PI, 1.5) * 1e-3), 1e-9);
+}
+
+TEST(Thesis, MovingWhenRestIsFurtherThanItsThreshold) {
+  EXPECT_NEAR(mahalanobis_from_zero({0.3, 0, 0.4}, 0.01 * Eigen::Matrix3d::Identity()), 5.0, 1e-12);
+  EXPECT_EQ(decide("thesis", belief({3.58, 0, 0}, 1.0)), Label::kUnknown);
+  EXPECT_EQ(decide("thesis", belief({3.59, 0, 0}, 1.0)), Label::kMoving);
+}
+
+TEST(Thesis, TheDensityIsThatOfTheVelocityInMetres) {
+  // u = rho v: at rho = 0.1 a sigma of 0.03411 / s is one of 0.3411 m/s.
+  Vector6d x;
+  x << 0.1, 0.2, 0.1, 0, 0, 0;
+  MotionBelief b = belief({0, 0, 0}, 0.0341);
+  b.density_scale = ScaledVelocity::density_scale(x);
+  EXPECT_NEAR(b.density_scale, 1e-3, 1e-15);
+  EXPECT_EQ(decide("thesis", b), Label::kStatic);
+  b.covariance *= 1.01;
+  EXPECT_EQ(decide("thesis", b), Label::kUnknown);
+  EXPECT_EQ(DynamicInverseDepth::density_scale(x), 1.0);
+}
+
+TEST(BayesFactor, IsThePosteriorOverThePriorDensityAtRest) {
+  // At rest the factor is (prior sigma / sigma)^3: 100 at a ratio of 4.64.
+  MotionBelief b = belief({0, 0, 0}, 1.0 / 4.65);
+  EXPECT_EQ(decide("bayes_factor", b), Label::kStatic);
+  b = belief({0, 0, 0}, 1.0 / 4.63);
+  EXPECT_EQ(decide("bayes_factor", b), Label::kUnknown);
+  // Away from it, exp(-C_m^2 / 2) of that: below 0.01 when C_m^2 > 2 log(100 ratio^3).
+  const double ratio = 4.0, limit = std::sqrt(2.0 * std::log(100.0 * 64.0));
+  EXPECT_EQ(decide("bayes_factor", belief({0.999 * limit / ratio, 0, 0}, 1.0 / ratio)),
+            Label::kUnknown);
+  EXPECT_EQ(decide("bayes_factor", belief({1.001 * limit / ratio, 0, 0}, 1.0 / ratio)),
+            Label::kMoving);
+}
+
+TEST(Classifier, ABrokenCovarianceDecidesNothing) {
+  MotionBelief b = belief({1, 0, 0}, 0.1);
+  b.covariance(1, 1) = -1.0;
+  EXPECT_EQ(decide("thesis", b), Label::kUnknown);
+}
+
+TEST(Truth, IsKnownFromBirthAndOtherwiseUnknown) {
+  ClassifierOptions options;
+  options.name = "truth";
+  const auto truth = make_classifier(options, {{7, Label::kMoving}});
+  EXPECT_EQ(truth->at_birth(7, true), Label::kMoving);
+  EXPECT_EQ(truth->at_birth(8, true), Label::kUnknown);
+  options.name = "thesis";
+  const auto thesis = make_classifier(options, {});
+  EXPECT_EQ(thesis->at_birth(7, true), Label::kStatic);
+  EXPECT_EQ(thesis->at_birth(7, false), Label::kUnknown);
+}
+
+TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
+  const TrackPolicy policy;
+  TrackRecord moving = born(1, 0, Label::kUnknown, false, {});
+  moving.unused_frames = policy.lost_after;
+  EXPECT_FALSE(is_lost(moving, policy));
+  ++moving.unused_frames;
+  EXPECT_TRUE(is_lost(moving, policy));
+  TrackRecord fixed = born(2, 0, Label::kStatic, false, {});
+  fixed.unused_frames = 10000;
+  EXPECT_FALSE(is_lost(fixed, policy));  // it stays in the map
+  TrackPolicy window = policy;
+  window.retain = "window";
+  EXPECT_TRUE(is_lost(fixed, window));
+  for (int i = 0; i < policy.missed_after; ++i) note_unused(fixed, true);
+  note_unused(fixed, false);
+  EXPECT_FALSE(is_lost(fixed, policy));
+  note_unused(fixed, true);
+  EXPECT_TRUE(is_lost(fixed, policy));
+  note_accepted(fixed, 9);
+  EXPECT_FALSE(is_lost(fixed, policy));
+  for (int i = 0; i <= policy.lost_after; ++i) note_rejected(fixed);
+  EXPECT_TRUE(is_lost(fixed, policy));
+}
+
+TEST(TrackPolicy, AdmitsWhatFitsUnderBothCaps) {
+  std::vector<Observation> candidates;
+  for (int i = 0; i < 5; ++i) candidates.push_back({i, Eigen::Vector2d(i, 0)});
+  TrackPolicy policy;
+  policy.max_landmarks = 10;
+  policy.max_visible = 6;
+  EXPECT_EQ(admit(candidates, 0, 0, policy).size(), 5u);
+  EXPECT_EQ(admit(candidates, 8, 0, policy).size(), 2u);
+  EXPECT_EQ(admit(candidates, 0, 5, policy).size(), 1u);
+  EXPECT_EQ(admit(candidates, 12, 0, policy).size(), 0u);
+  EXPECT_EQ(admit(candidates, 9, 0, policy).front().track, 0);
+}
+
+}  // namespace
+}  // namespace slammot

@@ -1,0 +1,83 @@
+// Labels that may be taken back, on innovations whose distribution is known.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "estimation/label_policy.h"
+
+namespace slammot {
+namespace {
+
+LabelOptions named(const char* name) {
+  LabelOptions options;
+  options.name = name;
+  return options;
+}
+LabelOptions reversible() { return named("reversible"); }
+
+TEST(ChiSquareTail, IsThatOfTheTables) {
+  EXPECT_NEAR(chi_square_tail(5.991464547107979, 1), 0.05, 1e-12);   // 2 degrees of freedom
+  EXPECT_NEAR(chi_square_tail(37.56623478662507, 10), 0.01, 1e-12);  // 20
+  EXPECT_NEAR(chi_square_tail(0.0, 10), 1.0, 1e-12);
+  EXPECT_EQ(chi_square_tail(1e5, 10), 0.0);
+}
+
+// How many of `landmarks` static ones lose their label within `frames`, their NIS being `scale`
+// times chi-square(2).
+int taken_back(double scale, int landmarks, int frames, const LabelOptions& options) {
+  std::mt19937_64 engine(1);
+  std::exponential_distribution<double> half_chi_square;  // chi-square(2) is twice exponential(1)
+  int count = 0;
+  for (int i = 0; i < landmarks; ++i) {
+    TrackRecord record = born(i, 0, Label::kStatic, false, {});
+    bool rejected = false;
+    for (int frame = 0; frame < frames && !rejected; ++frame) {
+      note_innovation(record, scale * 2.0 * half_chi_square(engine), options);
+      rejected = is_rejected(record, options);
+    }
+    count += rejected;
+  }
+  return count;
+}
+
+TEST(Reversible, RightLabelsStayAndWrongOnesGo) {
+  // 10,000 landmarks for 20 frames: at most 1e-4 a frame, fewer because frames share innovations.
+  EXPECT_LE(taken_back(1.0, 10000, 20, reversible()), 10000 * 20 * 1e-4);
+  EXPECT_GE(taken_back(1.0, 10000, 20, reversible()), 1);
+  EXPECT_GE(taken_back(5.0, 1000, 10, reversible()), 950);
+  EXPECT_EQ(taken_back(100.0, 1000, 20, named("one_way")), 0);
+}
+
+TEST(Reversible, OnlyTheLatestInnovationsCount) {
+  const LabelOptions options = reversible();
+  TrackRecord record = born(1, 0, Label::kStatic, false, {});
+  for (int i = 0; i < 1000; ++i) note_innovation(record, 2.0, options);
+  for (int i = 0; i < 5; ++i) note_innovation(record, 10.0, options);
+  EXPECT_TRUE(is_rejected(record, options));  // 60 over 10 frames, not 2050 over 1005
+  note_freed(record);
+  EXPECT_EQ(record.label, Label::kUnknown);
+  EXPECT_FALSE(record.decision_frame);
+  EXPECT_FALSE(is_rejected(record, options));
+}
+
+TEST(Reversible, WhatIsKnownBeforehandStays) {
+  TrackRecord record = born(1, 0, Label::kStatic, true, {});
+  record.known = true;
+  for (int i = 0; i < 20; ++i) note_innovation(record, 100.0, reversible());
+  EXPECT_FALSE(is_rejected(record, reversible()));
+}
+
+TEST(Reversible, AMovingLandmarkMayStop) {
+  TrackRecord record = born(1, 0, Label::kMoving, false, {});
+  EXPECT_FALSE(is_asked(record, named("one_way")));
+  EXPECT_TRUE(is_asked(record, reversible()));
+  note_answer(record, Label::kUnknown, 3);
+  EXPECT_EQ(record.label, Label::kMoving);
+  note_answer(record, Label::kStatic, 4);
+  EXPECT_EQ(record.label, Label::kStatic);
+  EXPECT_EQ(record.decision_frame, 4);
+  EXPECT_TRUE(record.was_moving);
+}
+
+}  // namespace
+}  // namespace slammot

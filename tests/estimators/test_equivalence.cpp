@@ -1,0 +1,205 @@
+// A window of one frame and one Gauss-Newton step is the EKF; a window as long as the sequence is
+// the batch. On `circle`, with births, classifications and deaths of landmarks.
+#include <gtest/gtest.h>
+
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/setup.h"
+#include "filters/ekf.h"
+#include "smoothers/batch.h"
+#include "smoothers/window/window.h"
+#include "tests/estimators/linearisation_fixture.h"
+
+namespace slammot {
+namespace {
+
+using test::relative_difference;
+
+struct Case {
+  std::string landmark, collapse, classifier;
+  double mean_sigma = 0.0;
+  std::string labels = "one_way";
+  std::string depth_prior = "stated";
+};
+
+class OneFrameOf : public testing::TestWithParam<Case> {};
+
+TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
+  // Movers in the first frame are labelled static by rule: labels to take back.
+  const Sequence sequence = simulate("circle", {{"frames", "120"}, {"first_moving", "3"}}, 3);
+  slammot::Setup setup = make_setup(sequence, Configuration{});
+  ModelOptions models;
+  models.labels.name = GetParam().labels;
+  setup.prior.mean_sigma = GetParam().mean_sigma;
+  models.depth_prior = GetParam().depth_prior;
+  models.landmark = GetParam().landmark;
+  models.collapse = GetParam().collapse;
+  models.classifier.name = GetParam().classifier;
+  WindowOptions one;
+  one.frames = 1;
+  one.iterations = 1;
+  one.linearisation = "standard";
+  const auto ekf = make_ekf(setup, models, {});
+  const auto window = make_window(setup, models, one);
+  NoStages stages;
+  double worst_state = 0.0, worst_covariance = 0.0, worst_landmark = 0.0;
+  int born = 0, dead = 0, decided = 0;
+  for (const Frame& frame : sequence.frames) {
+    const FrameReport a = ekf->process(frame, stages), b = window->process(frame, stages);
+    ASSERT_EQ(a.accepted, b.accepted) << "frame " << frame.index;
+    ASSERT_EQ(a.rejected, b.rejected);
+    ASSERT_EQ(a.admitted, b.admitted);
+    ASSERT_EQ(a.retired.size(), b.retired.size());
+    born += a.admitted;
+    dead += static_cast<int>(a.retired.size());
+    const CameraEstimate x = ekf->camera(), y = window->camera();
+    const Vector12d d = boxminus(y.state, x.state);
+    const Vector12d sigma = x.covariance.diagonal().cwiseSqrt();
+    worst_state = std::max(worst_state, d.cwiseQuotient(sigma).cwiseAbs().maxCoeff());
+    worst_covariance = std::max(worst_covariance, relative_difference(y.covariance, x.covariance));
+  }
+  const auto landmarks = ekf->landmarks(), same = window->landmarks();
+  ASSERT_EQ(landmarks.size(), same.size());
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    ASSERT_EQ(landmarks[i].track, same[i].track);
+    ASSERT_EQ(landmarks[i].label, same[i].label);
+    ASSERT_EQ(landmarks[i].decision_frame, same[i].decision_frame);
+    decided += landmarks[i].decision_frame && !landmarks[i].from_first_frame;
+    worst_landmark = std::max(
+        worst_landmark,
+        relative_difference(same[i].position_covariance, landmarks[i].position_covariance));
+    const Eigen::Vector3d sigma = landmarks[i].position_covariance.diagonal().cwiseSqrt();
+    const Eigen::Vector3d moved = same[i].position - landmarks[i].position;
+    worst_landmark = std::max(worst_landmark, moved.cwiseQuotient(sigma).cwiseAbs().maxCoeff());
+  }
+  RecordProperty("state", std::to_string(worst_state));
+  std::printf(
+      "born %d, dead %d, decided %d; largest difference: state %.2g sigma, covariance %.2g, "
+      "landmark covariance %.2g\n",
+      born, dead, decided, worst_state, worst_covariance, worst_landmark);
+  // The issue asks for 1e-6; what is seen is 1e-11 and better.
+  EXPECT_LT(worst_state, 1e-9);
+  EXPECT_LT(worst_covariance, 1e-9);
+  EXPECT_LT(worst_landmark, 1e-9);
+  EXPECT_GT(born, 50);
+  EXPECT_GT(dead, 5);
+  EXPECT_GT(decided, 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Models, OneFrameOf,
+    testing::Values(Case{"dynamic_inverse_depth", "drop", "thesis"},
+                    Case{"dynamic_inverse_depth", "condition", "thesis"},
+                    Case{"scaled_velocity", "drop", "thesis"},
+                    Case{"scaled_velocity", "drop", "bayes_factor", 0.02},
+                    Case{"scaled_velocity", "condition", "bayes_factor"},
+                    Case{"dynamic_inverse_depth", "drop", "thesis", 0.0, "reversible"},
+                    Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible"},
+                    Case{"dynamic_inverse_depth", "drop", "thesis", 0.0, "one_way", "map"},
+                    Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible", "map"},
+                    Case{"scaled_velocity", "drop", "thesis", 0.02, "one_way", "map"},
+                    Case{"scaled_velocity", "condition", "thesis", 0.04, "reversible", "map"}),
+    [](const auto& tested) {
+      return tested.param.landmark + "_" + tested.param.collapse + "_" + tested.param.classifier +
+             "_" + tested.param.labels + "_" + tested.param.depth_prior;
+    });
+
+// With Jacobians at the truth they are two linearisations of one model: the window's motion factor
+// is taken where the truth ends up, the EKF's where it would have gone without noise.
+TEST(OneFrame, AtTheTruthIsTheIdealEkf) {
+  const Sequence sequence = simulate("circle", {{"frames", "120"}}, 3);
+  Configuration configuration;
+  configuration.ekf.linearisation = configuration.window.linearisation = "ideal";
+  configuration.window.frames = configuration.window.iterations = 1;
+  configuration.model.gate_probability = 0.999999;
+  configuration.model.classifier.name = "truth";
+  configuration.model.labels.name = "one_way";
+  const slammot::Setup setup = make_setup(sequence, configuration);
+  const auto ekf = make_ekf(setup, configuration.model, configuration.ekf);
+  const auto window = make_window(setup, configuration.model, configuration.window);
+  NoStages stages;
+  double worst_state = 0.0, worst_covariance = 0.0;
+  for (const Frame& frame : sequence.frames) {
+    const FrameReport a = ekf->process(frame, stages), b = window->process(frame, stages);
+    ASSERT_EQ(a.accepted, b.accepted) << "frame " << frame.index;
+    const CameraEstimate x = ekf->camera(), y = window->camera();
+    const Vector12d sigma = x.covariance.diagonal().cwiseSqrt();
+    const Vector12d d = boxminus(y.state, x.state).cwiseQuotient(sigma);
+    worst_state = std::max(worst_state, d.cwiseAbs().maxCoeff());
+    worst_covariance = std::max(worst_covariance, relative_difference(y.covariance, x.covariance));
+  }
+  std::printf("largest difference: state %.2g sigma, covariance %.2g\n", worst_state,
+              worst_covariance);
+  EXPECT_LT(worst_state, 0.05);
+  EXPECT_LT(worst_covariance, 0.05);
+}
+
+TEST(ManySteps, MakeItTheIteratedEkf) {
+  const Sequence sequence = simulate("circle", {{"frames", "40"}}, 3);
+  const slammot::Setup setup = make_setup(sequence, Configuration{});
+  ModelOptions models;
+  models.classifier.name = "truth";
+  // So many steps that both are at the minimum: the way there is not the same (Marquardt's
+  // damping).
+  EkfOptions iterated;
+  iterated.iterations = 30;
+  WindowOptions one;
+  one.frames = 1;
+  one.iterations = 30;
+  one.negligible = 1e-24;
+  one.linearisation = "standard";
+  const auto ekf = make_ekf(setup, models, iterated);
+  const auto window = make_window(setup, models, one);
+  NoStages stages;
+  double worst = 0.0;
+  for (const Frame& frame : sequence.frames) {
+    ekf->process(frame, stages);
+    window->process(frame, stages);
+    const CameraEstimate x = ekf->camera();
+    const Vector12d d = boxminus(window->camera().state, x.state);
+    const Vector12d sigma = x.covariance.diagonal().cwiseSqrt();
+    worst = std::max(worst, d.cwiseQuotient(sigma).cwiseAbs().maxCoeff());
+  }
+  std::printf("largest difference of the state: %.2g sigma\n", worst);
+  EXPECT_LT(worst, 1e-4);
+}
+
+class WholeSequence : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(DepthPrior, WholeSequence, testing::Values("stated", "map"));
+
+TEST_P(WholeSequence, WindowIsTheBatch) {
+  const Sequence sequence = simulate("circle", {{"frames", "20"}}, 2);
+  const slammot::Setup setup = make_setup(sequence, Configuration{});
+  ModelOptions models;
+  models.classifier.name = "truth";
+  models.depth_prior = GetParam();
+  WindowOptions whole;
+  whole.frames = 1000;
+  whole.iterations = 40;
+  whole.negligible = 1e-20;
+  whole.linearisation = "standard";
+  const auto window = make_window(setup, models, whole);
+  const auto batch = make_batch(setup, models, whole);
+  NoStages stages;
+  for (const Frame& frame : sequence.frames) {
+    window->process(frame, stages);
+    batch->process(frame, stages);
+  }
+  const auto a = window->smoothed(stages), b = batch->smoothed(stages);
+  ASSERT_EQ(a.size(), sequence.frames.size());
+  ASSERT_EQ(b.size(), sequence.frames.size());
+  double worst_state = 0.0, worst_covariance = 0.0;
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    const Vector12d d = boxminus(a[i].state, b[i].state);
+    const Vector12d sigma = b[i].covariance.diagonal().cwiseSqrt();
+    worst_state = std::max(worst_state, d.cwiseQuotient(sigma).cwiseAbs().maxCoeff());
+    worst_covariance =
+        std::max(worst_covariance, relative_difference(a[i].covariance, b[i].covariance));
+  }
+  std::printf("largest difference: state %.2g sigma, covariance %.2g\n", worst_state,
+              worst_covariance);
+  EXPECT_LT(worst_state, 1e-4);
+  EXPECT_LT(worst_covariance, 1e-4);
+}
+
+}  // namespace
+}  // namespace slammot

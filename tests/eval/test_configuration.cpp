@@ -1,0 +1,147 @@
+// The key table: every key reads back what it writes, and mistakes are named.
+#include <gtest/gtest.h>
+
+#include "datasets/sequence/sequence.h"
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/configuration.h"
+#include "eval/configuration/registry.h"
+#include "eval/configuration/setup.h"
+#include "eval/run/run.h"
+#include "tests/eval/fixture.h"
+
+namespace slammot {
+namespace {
+
+std::string reason_of(const std::string& text) {
+  Configuration configuration;
+  try {
+    assign(configuration, parse_assignment(text));
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Configuration, EveryKeyTakesBackWhatItGives) {
+  for (const ConfigurationKey& key : configuration_keys()) {
+    Configuration configuration;
+    const std::string text = key.get(configuration);
+    key.set(configuration, text);
+    EXPECT_EQ(key.get(configuration), text) << key.name;
+    EXPECT_FALSE(key.help.empty()) << key.name;
+  }
+}
+
+TEST(Configuration, AnUnknownKeyNamesTheNearest) {
+  EXPECT_NE(reason_of("window.frame=3").find("window.frames"), std::string::npos);
+  EXPECT_NE(reason_of("max_speed=3").find("prior.max_speed"), std::string::npos);
+  EXPECT_NE(reason_of("landmrk=x").find("unknown key 'landmrk'"), std::string::npos);
+}
+
+TEST(Configuration, ABadValueIsRefusedWithItsReason) {
+  EXPECT_EQ(reason_of("window.frames=many"), "window.frames: 'many' is not a whole number");
+  EXPECT_EQ(reason_of("window.frames=3.5"), "window.frames: '3.5' is not a whole number");
+  EXPECT_EQ(reason_of("pixel_sigma=nan"), "pixel_sigma: 'nan' is not a finite number");
+  EXPECT_EQ(reason_of("pixel_sigma=0"), "pixel_sigma: '0' must be greater than 0");
+  EXPECT_EQ(reason_of("gate.probability=1"), "gate.probability: '1' must be between 0 and 1");
+  EXPECT_NE(reason_of("landmark=cube").find("is not one of inverse_depth, "), std::string::npos);
+  EXPECT_NE(reason_of("pixel_sigma").find("key=value"), std::string::npos);
+}
+
+TEST(Configuration, YamlNestedOrDotted) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "c.yaml";
+  test::write_text(file,
+                   "window: {frames: 7, loss: huber}\nclassifier:\n  name: bayes_factor\n"
+                   "  static_factor: 20\nprior.max_speed: 3\nlandmark: scaled_velocity\n");
+  Configuration c;
+  EXPECT_EQ(load_configuration(c, file).size(), 6u);
+  EXPECT_EQ(c.window.frames, 7);
+  EXPECT_EQ(c.window.loss, "huber");
+  EXPECT_EQ(c.model.classifier.name, "bayes_factor");
+  EXPECT_EQ(c.model.classifier.static_factor, 20.0);
+  EXPECT_EQ(c.prior.max_speed, 3.0);
+  EXPECT_EQ(c.model.landmark, "scaled_velocity");
+}
+
+TEST(Configuration, YamlMistakesNameFileAndLine) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "c.yaml";
+  const auto reason = [&](const std::string& text) -> std::string {
+    test::write_text(file, text);
+    Configuration c;
+    try {
+      load_configuration(c, file);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(reason("landmark: scaled_velocity\nwindow:\n  frame: 3\n").find("c.yaml:3: unknown"),
+            std::string::npos);
+  EXPECT_NE(reason("\npixel_sigma: -1\n").find("c.yaml:2: pixel_sigma: '-1'"), std::string::npos);
+  EXPECT_NE(reason("a: [\n").find("c.yaml:"), std::string::npos);
+  EXPECT_NE(reason("pixel_sigma: 1\npixel_sigma: 2\n").find("stands twice"), std::string::npos);
+  EXPECT_NE(reason("pixel_sigma: [1]\n").find("c.yaml:1:"), std::string::npos);
+  EXPECT_NE(reason("just text\n").find("c.yaml:1:"), std::string::npos);
+  EXPECT_EQ(reason(""), "");
+  EXPECT_NE(reason("? [a, b]\n: 1\n").find("c.yaml:1:"), std::string::npos);
+}
+
+TEST(MakeSetup, ConfigurationThenSequenceThenDefault) {
+  Sequence sequence = test::straight_line(2);
+  sequence.pixel_sigma = 0.5;
+  sequence.motion = StatedMotion{2.0, 3.0};
+  sequence.truth[0]->position << 4, 5, 6;
+  sequence.truth[0]->velocity << 1, 0, 0;
+  Configuration configuration;
+  configuration.motion.acceleration = 9.0;
+  const slammot::Setup setup = make_setup(sequence, configuration);
+  EXPECT_EQ(setup.pixel_sigma, 0.5);
+  EXPECT_EQ(setup.camera_noise.acceleration, 9.0);
+  EXPECT_EQ(setup.camera_noise.angular_acceleration, 3.0);
+  EXPECT_EQ(setup.prior.inverse_depth, LandmarkPrior{}.inverse_depth);
+  EXPECT_EQ(setup.initial.state.position, Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(setup.initial.state.velocity, Eigen::Vector3d::Zero());  // at rest
+  EXPECT_EQ(setup.true_labels.at(1), Label::kMoving);
+  EXPECT_EQ(resolve(sequence, configuration).motion.angular_acceleration, 3.0);
+}
+
+// Where nothing else states the scale, the statement is not given up.
+TEST(MakeSetup, DepthsAreLearntWhereALandmarkIsKnown) {
+  Sequence sequence = test::straight_line(2);
+  EXPECT_EQ(resolve(sequence, Configuration{}).model.depth_prior, "stated");
+  EXPECT_EQ(make_setup(sequence, Configuration{}).prior.mean_sigma, 0.0);
+  sequence.known.push_back({1, Eigen::Vector3d::UnitZ(), 0.01});
+  EXPECT_EQ(resolve(sequence, Configuration{}).model.depth_prior, "map");
+  EXPECT_EQ(make_setup(sequence, Configuration{}).prior.mean_sigma,
+            0.5 * LandmarkPrior{}.inverse_depth);
+}
+
+TEST(Registry, NamesAreKnownAndAdjustTheConfiguration) {
+  for (const char* name : {"ekf", "window", "batch", "static_world", "delayed", "true_labels"}) {
+    EXPECT_EQ(find_estimator(name).name, name);
+  }
+  EXPECT_THROW(find_estimator("kalman"), std::invalid_argument);
+  Configuration configuration;
+  find_estimator("static_world").adjust(configuration);
+  EXPECT_EQ(configuration.model.classifier.name, "all_static");
+  EXPECT_EQ(configuration.model.labels.name, "one_way");
+  find_estimator("delayed").adjust(configuration);
+  EXPECT_TRUE(configuration.ekf.delayed);
+}
+
+TEST(Registry, TheBoundHasThePriorThatIsStated) {
+  const Sequence sequence = simulate("circle", {{"frames", "3"}}, 1);
+  for (const char* mean_sigma : {"sequence", "0.1"}) {
+    Configuration configuration;
+    assign(configuration, {"prior.mean_sigma", mean_sigma});
+    const Configuration bound = effective_configuration(sequence, configuration, "bound");
+    EXPECT_EQ(bound.model.depth_prior, "stated");
+    EXPECT_EQ(make_setup(sequence, bound).prior.mean_sigma, 0.0);
+    EXPECT_GT(effective_configuration(sequence, configuration, "ekf").prior.mean_sigma, 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace slammot

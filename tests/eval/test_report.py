@@ -1,0 +1,313 @@
+"""The report page, from a made-up comparison: drawn in headless Chromium without an error, no figure
+empty, nothing undefined shown, and whatever may be absent is allowed to be absent.
+
+`test_report.py --keep DIR` leaves the page and a screenshot of it in DIR.
+"""
+import base64
+import copy
+import html.parser
+import json
+import math
+import pathlib
+import random
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+GENERATOR = ROOT / "eval" / "report" / "compare_report.py"
+CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic",
+            "--no-first-run", "--disable-background-networking", "--disable-component-update",
+            "--disable-sync", "--enable-logging=stderr", "--virtual-time-budget=30000"]
+FRAMES = 600
+
+
+def noisy(rng, scale):
+    """An error that wanders about zero."""
+    value = 0.0
+    for _ in range(FRAMES):
+        value += 0.08 * (rng.gauss(0.0, scale) - 0.2 * value)
+        yield value
+
+
+def true_position(i):
+    angle = 2.0 * math.pi * i / 450
+    return [10.0 * math.cos(angle) - 10.0, 0.0, 10.0 * math.sin(angle)]
+
+
+def nees_block(mean, dof):
+    return {"dof": dof, "used": FRAMES - 1, "covariances_not_positive_definite": 0, "mean": mean,
+            "mean_over_dof": mean / dof, "median": mean, "q95": 2 * mean,
+            "single_run_interval_95": [1.237, 14.449], "fraction_inside": min(0.95, 6 / mean)}
+
+
+def made_run(estimator, landmark, scale, overconfidence, seed):
+    rng = random.Random(seed)
+    errors = [list(noisy(rng, scale)) for _ in range(3)]
+    offsets = list(zip(*errors))
+    distance = [math.dist(offset, (0, 0, 0)) for offset in offsets]
+    rmse = math.sqrt(sum(d * d for d in distance) / FRAMES)
+    nees = [overconfidence * rng.gammavariate(3.0, 2.0) for _ in range(FRAMES)]
+    position = [[p + e for p, e in zip(true_position(i), offsets[i])] for i in range(FRAMES)]
+    times = [i / 15 for i in range(FRAMES)]
+    series = {"stride": 1, "timestamp": times, "position": position, "position_error_m": distance,
+              "rotation_error_deg": [3 * d for d in distance], "nees_pose": [None, *nees[1:]],
+              "nees_position": nees, "nees_rotation": nees}
+    filtered = {
+        "accuracy": {"poses": FRAMES, "position_rmse_m": rmse, "position_max_m": max(distance),
+                     "position_final_m": distance[-1], "rotation_rmse_deg": 3 * rmse},
+        "nees": {"pose": nees_block(6 * overconfidence, 6),
+                 "position": nees_block(3 * overconfidence, 3)}}
+    stages = (["predict", "gate", "update", "classify", "manage"] if estimator == "ekf" else
+              ["predict", "gate", "build", "solve", "marginalise", "covariances", "classify", "manage"])
+    cost = [{"stage": s, "median_ms": rng.uniform(0.3, 4.0 if estimator == "ekf" else 9.0),
+             "p95_ms": 12.0, "total_ms": 900.0} for s in stages]
+    total = sum(c["median_ms"] for c in cost)
+    smooths = estimator == "window"
+    return {
+        "label": f"{estimator}-{landmark}", "estimator": estimator, "landmark": landmark,
+        "folder": f"{estimator}-{landmark}", "overrides": {"landmark": landmark},
+        "configuration": {"landmark": landmark, "gate": 0.95, "classifier": "thesis"},
+        "metrics": {
+            "diverged": False, "divergence": None, "filtered": filtered,
+            "smoothed": copy.deepcopy(filtered) if smooths else None,
+            "classification": {
+                "static": {"right": 251, "wrong": 3, "undecided": 12, "misclassified": 15 / 266},
+                "moving": {"right": 201, "wrong": 5, "undecided": 30, "misclassified": 35 / 236},
+                "without_truth": 0, "median_frames_to_decision": 14.0},
+            "nis": {"dof": 2, "mean": 1.71, "expected_mean": 1.685},
+            "coverage": {"frames_offered": FRAMES, "frames_done": FRAMES},
+            "runtime": {"frame_median_ms": total, "frame_p95_ms": 1.6 * total,
+                        "frames_per_second": 900 / total, "smoothing_ms": 0.0,
+                        "state_size_median": 412.0, "state_size_max": 640,
+                        "stages": [*cost, {"stage": "total", "median_ms": total, "p95_ms": 30.0,
+                                           "total_ms": 9000.0}]}},
+        "series": {**series, "frame": list(range(FRAMES)), "nis_mean": [1.7] * FRAMES,
+                   "accepted": [40] * FRAMES, "rejected": [2] * FRAMES,
+                   "state_size": [412] * FRAMES, "frame_ms": [total] * FRAMES},
+        "smoothed_series": copy.deepcopy(series) if smooths else None}
+
+
+def made_comparison():
+    rng = random.Random(7)
+    landmarks = []
+    for track in range(300):
+        place = [rng.uniform(-25, 5), rng.uniform(-3, 3), rng.uniform(-15, 15)]
+        kind = "static" if track % 2 else "moving"
+        landmarks.append({"track": track, "class": kind, "position": place, "last": place})
+    runs = [made_run("ekf", "dynamic_inverse_depth", 0.16, 3.4, 1),
+            made_run("ekf", "scaled_velocity", 0.10, 1.5, 2),
+            made_run("window", "dynamic_inverse_depth", 0.09, 1.3, 3),
+            made_run("window", "scaled_velocity", 0.07, 1.1, 4)]
+    return {"format": "slammot-compare-1", "version": "0.1.0",
+            "command": "slammot compare --scenario circle --seed 1",
+            "sequence": {"name": "circle", "path": "slammot-out/compare-circle/sequence",
+                         "sha256": "0f" * 32, "seed": 1, "frames": FRAMES, "exact_truth": True,
+                         "width": 640, "height": 480, "pixel_sigma": 1.0},
+            "truth": {"timestamp": [i / 15 for i in range(FRAMES)],
+                      "position": [true_position(i) for i in range(FRAMES)], "landmarks": landmarks},
+            "runs": runs}
+
+
+def without_truth(comparison):
+    comparison["truth"] = {"timestamp": [], "position": [], "landmarks": []}
+    comparison["sequence"]["exact_truth"] = False
+    for run in comparison["runs"]:
+        for trajectory in filter(None, (run["metrics"]["filtered"], run["metrics"]["smoothed"])):
+            trajectory.update(accuracy=None, accuracy_reason="no ground truth",
+                              nees=None, nees_reason="no ground truth")
+        for counts in (run["metrics"]["classification"][kind] for kind in ("static", "moving")):
+            counts.update(right=0, wrong=0, undecided=0, misclassified=None)
+        for series in filter(None, (run["series"], run["smoothed_series"])):
+            for name in ("position_error_m", "rotation_error_deg", "nees_pose"):
+                series[name] = [None] * FRAMES
+
+
+def diverged(run):
+    run["metrics"].update(diverged=True, divergence={"frame": 120, "reason": "covariance <not> positive"})
+    run["metrics"]["coverage"]["frames_done"] = 120
+    run["metrics"]["filtered"]["nees"]["pose"].update(
+        mean=None, mean_over_dof=None, covariances_not_positive_definite=3)
+    for name in ("position_error_m", "nees_pose"):
+        run["series"][name] = [e if e is None else e * 1.05 ** i
+                               for i, e in enumerate(run["series"][name])]
+
+
+def write_run_files(folder, run, comparison):
+    folder.mkdir(parents=True)
+    rng = random.Random(run["label"])
+    spread = rng.uniform(2e-4, 2e-3)
+    names = [f"p{i}{j}" for i in range(1, 7) for j in range(i, 7)]
+    with (folder / "pose_covariance.csv").open("w") as out:
+        out.write("# covariance of the error\ntimestamp," + ",".join(names) + "\n")
+        for time in run["series"]["timestamp"]:
+            variances = {"p11": spread, "p22": 0.3 * spread, "p33": spread}
+            out.write(f"{time!r}," + ",".join(str(variances.get(n, 0.0)) for n in names) + "\n")
+    with (folder / "landmarks.csv").open("w") as out:
+        out.write("track,frame,label,x,y,z,vx,vy,vz\n")
+        for entry in comparison["truth"]["landmarks"]:
+            x, y, z = (c + rng.gauss(0.0, 0.2) for c in entry["last"])
+            label = "unknown" if entry["track"] % 9 == 0 else entry["class"]
+            out.write(f"{entry['track']},599,{label},{x},{y},{z},nan,nan,nan\n")
+        out.write("999,599,unknown,nan,nan,nan,nan,nan,nan\n")
+
+
+class Text(html.parser.HTMLParser):
+    """What a reader sees of a page before its figures are drawn."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.inside, self.words = [], []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attributes):
+        if tag in ("script", "style"):
+            self.inside.append(tag)
+
+    def handle_endtag(self, tag):
+        if self.inside and self.inside[-1] == tag:
+            self.inside.pop()
+
+    def handle_data(self, data):
+        if not self.inside:
+            self.words.append(data)
+
+    def __str__(self):
+        return re.sub(r"\s+", " ", " ".join(self.words))
+
+
+def generate(output):
+    return subprocess.run(["/usr/bin/python3", "-B", str(GENERATOR), str(output)],
+                          capture_output=True, text=True, timeout=120)
+
+
+def chromium(page, *arguments):
+    with tempfile.TemporaryDirectory() as profile:
+        done = subprocess.run([*CHROMIUM, f"--user-data-dir={profile}", *arguments, page.as_uri()],
+                              capture_output=True, text=True, timeout=180)
+    errors = [line for line in done.stderr.splitlines() if ":CONSOLE" in line]
+    return done.stdout, errors
+
+
+class Report(unittest.TestCase):
+    def setUp(self):
+        keep = tempfile.TemporaryDirectory()
+        self.addCleanup(keep.cleanup)
+        self.output = pathlib.Path(keep.name)
+        self.comparison = made_comparison()
+
+    def text_of_report(self, run_files=True):
+        if run_files:
+            for run in self.comparison["runs"]:
+                write_run_files(self.output / run["folder"], run, self.comparison)
+        (self.output / "compare.json").write_text(json.dumps(self.comparison))
+        done = generate(self.output)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        text = str(Text((self.output / "report.html").read_text()))
+        self.assertNotRegex(text, r"(?i)\b(nan|none|null|inf|infinity|undefined)\b")
+        return text
+
+    def assert_drawn(self, figures):
+        dom, errors = chromium(self.output / "report.html", "--dump-dom")
+        self.assertEqual(errors, [])
+        self.assertIn(f'data-drawn="{len(figures)}"', dom[:2000])
+        for name in figures:
+            start = dom.index(f'id="chart-{name}"')
+            figure = dom[start:dom.find("<h2", start)]
+            marks = re.findall(r'class="js-line"[^>]*\bd="M[^"]{20,}|class="point"><path d="M', figure)
+            self.assertGreater(len(marks), 3, f"the figure {name} is empty")
+
+    def test_four_runs(self):
+        text = self.text_of_report()
+        self.assertIn("window · scaled_velocity is the most accurate", text)
+        self.assertIn("ekf · dynamic_inverse_depth is overconfident: mean pose NEES 20.4 (6 expected)", text)
+        self.assertIn("At the camera's 15 Hz", text)
+        self.assertIn("1.69 expected", text)
+        self.assertIn("0f" * 32, text)
+        self.assert_drawn(["trajectory", "position_error", "nees", "runtime"])
+
+    def test_without_truth_and_without_run_files(self):
+        without_truth(self.comparison)
+        text = self.text_of_report(run_files=False)
+        self.assertIn("Not known: the sequence has no ground truth.", text)
+        self.assertIn("Not judged: no ground truth.", text)
+        self.assert_drawn(["trajectory", "runtime"])
+
+    def test_a_diverged_run_is_named_and_does_not_set_the_scale(self):
+        diverged(self.comparison["runs"][0])
+        text = self.text_of_report()
+        self.assertIn("ekf · dynamic_inverse_depth diverged at frame 120 (covariance <not> positive)",
+                      text)
+        charts = json.loads(re.search(r'id="charts">(.*?)</script>',
+                                      (self.output / "report.html").read_text(), re.DOTALL)[1])
+        errors = self.comparison["runs"][1]["series"]["position_error_m"]
+        top = charts["position_error"]["layout"]["yaxis"]["range"][1]
+        self.assertLess(top, 3 * max(errors))
+        self.assert_drawn(["trajectory", "position_error", "nees", "runtime"])
+
+    def test_all_diverged(self):
+        for run in self.comparison["runs"]:
+            diverged(run)
+        self.assertIn("diverged at frame 120", self.text_of_report())
+
+    def test_one_run(self):
+        del self.comparison["runs"][1:]
+        text = self.text_of_report()
+        self.assertIn("1 estimator over", text)
+        self.assertIn("ekf · dynamic_inverse_depth has a position RMSE of", text)
+
+    def test_a_run_that_ended_before_its_first_frame(self):
+        run = self.comparison["runs"][0]
+        diverged(run)
+        run["metrics"].update(filtered={"accuracy": None, "nees": None}, nis={"mean": None},
+                              runtime={"stages": [], "frame_median_ms": None})
+        run["series"] = {name: [] if isinstance(values, list) else values
+                         for name, values in run["series"].items()}
+        self.text_of_report()
+
+    def test_pictures_are_carried_in_the_page(self):
+        label = self.comparison["runs"][0]["label"]
+        self.assertNotIn("Frame by frame", self.text_of_report())
+        slider = self.output / label / "pictures" / "slider"
+        slider.mkdir(parents=True)
+        for frame in (0, 12):
+            (slider / f"{frame:06}.jpg").write_bytes(b"picture %d" % frame)
+        self.assertIn("Frame by frame", self.text_of_report(run_files=False))
+        page = (self.output / "report.html").read_text()
+        self.assertIn(base64.b64encode(b"picture 12").decode(), page)
+
+    def test_the_same_input_gives_the_same_bytes(self):
+        self.text_of_report()
+        first = (self.output / "report.html").read_bytes()
+        generate(self.output)
+        self.assertEqual(first, (self.output / "report.html").read_bytes())
+
+    def test_bad_input_is_refused_in_one_line(self):
+        for content in (None, "{", "[]", '{"format": "other"}', '{"format": "slammot-compare-1"}'):
+            with self.subTest(content=content):
+                path = self.output / "compare.json"
+                path.unlink(missing_ok=True)
+                if content is not None:
+                    path.write_text(content)
+                done = generate(self.output)
+                self.assertEqual(done.returncode, 2)
+                self.assertRegex(done.stderr, r"\Acompare_report: .*compare\.json: .*\n\Z")
+
+
+def keep(folder):
+    comparison = made_comparison()
+    folder.mkdir(parents=True, exist_ok=True)
+    for run in comparison["runs"]:
+        write_run_files(folder / run["folder"], run, comparison)
+    (folder / "compare.json").write_text(json.dumps(comparison))
+    print(generate(folder).stderr, end="")
+    chromium(folder / "report.html", "--window-size=1180,4000", f"--screenshot={folder}/report.png")
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--keep"]:
+        keep(pathlib.Path(sys.argv[2]).resolve())
+    else:
+        unittest.main()

@@ -1,0 +1,112 @@
+// A landmark model, as docs/extending.md adds one: what stands between the `example` and `end`
+// lines is quoted there, and that it compiles is half the test.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <random>
+
+#include "estimation/landmark_estimate.h"
+#include "models/landmarks/landmark.h"
+
+namespace slammot {
+namespace {
+
+// [example: landmark model]
+// Dynamic inverse depth whose velocity decays: v' = e^(-dt/tau) v, x = (theta, phi, rho, v).
+struct DecayingVelocity {
+  static constexpr std::string_view kName = "decaying_velocity";
+  static constexpr double kTau = 2.0;  // [s]
+
+  static double decay(double dt) { return std::exp(-dt / kTau); }
+  static double travel(double dt) { return kTau * (1.0 - decay(dt)); }  // of a unit velocity
+
+  template <typename T>
+  static Vector6<T> predict(const Vector6<T>& x, double dt) {
+    const T rho = x(2);
+    const Vector3<T> v = x.template tail<3>();
+    const Vector3<T> g = direction(T(x(0)), T(x(1))) + rho * v * T(travel(dt));
+    Vector6<T> y;
+    y << angles(g, T(x(0))), rho / g.norm(), v * T(decay(dt));
+    return y;
+  }
+
+  static Matrix6d predict_jacobian(const Vector6d& x, double dt) {
+    const double rho = x(2), s = travel(dt);
+    const Eigen::Vector3d v = x.tail<3>();
+    const Eigen::Vector3d g = direction(x(0), x(1)) + rho * v * s;
+    Eigen::Matrix<double, 3, 6> J_g_x;
+    J_g_x << direction_jacobian(x(0), x(1)), v * s, rho * s * Eigen::Matrix3d::Identity();
+    const double n = g.norm();
+    Matrix6d F = Matrix6d::Zero();
+    F.topRows<2>() = angles_jacobian(g) * J_g_x;
+    F.row(2) = -rho / (n * n * n) * g.transpose() * J_g_x;
+    F(2, 2) += 1.0 / n;
+    F.bottomRightCorner<3, 3>().diagonal().setConstant(decay(dt));
+    return F;
+  }
+
+  static Matrix6d noise_jacobian(const Vector6d& x) {
+    Matrix6d J = Matrix6d::Identity();
+    J.topLeftCorner<3, 3>() = noise_jacobian_static(x.head<3>());
+    return J;
+  }
+
+  static Eigen::Vector3d velocity(const Vector6d& x) { return x.tail<3>(); }
+  static Matrix36d velocity_jacobian(const Vector6d&) {
+    Matrix36d J = Matrix36d::Zero();
+    J.rightCols<3>().setIdentity();
+    return J;
+  }
+  static Eigen::Vector3d motion_of(const Eigen::Vector3d& /*y*/, const Eigen::Vector3d& v) {
+    return v;
+  }
+  static double density_scale(const Vector6d&) { return 1.0; }
+  static double prior_sigma(const LandmarkPrior& prior) { return prior.velocity_sigma(); }
+};
+static_assert(LandmarkModel<DecayingVelocity>);
+// [end]
+
+Vector6d random_landmark(std::mt19937_64& engine) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  Vector6d x;
+  x << 3.0 * unit(engine), 1.4 * unit(engine), 0.4 + 0.5 * unit(engine), 2.0 * unit(engine),
+      2.0 * unit(engine), 2.0 * unit(engine);
+  return x;
+}
+
+TEST(ExtendingLandmark, JacobianIsThatOfThePrediction) {
+  std::mt19937_64 engine(1);
+  for (int k = 0; k < 500; ++k) {
+    const Vector6d x = random_landmark(engine);
+    const double dt = 0.02 + 0.001 * (k % 100);
+    const Matrix6d F = DecayingVelocity::predict_jacobian(x, dt);
+    for (int i = 0; i < 6; ++i) {
+      constexpr double kStep = 1e-5;
+      const Vector6d d = kStep * Vector6d::Unit(i);
+      const Vector6d numeric = (DecayingVelocity::predict(Vector6d(x + d), dt) -
+                                DecayingVelocity::predict(Vector6d(x - d), dt)) /
+                               (2.0 * kStep);
+      ASSERT_LT((numeric - F.col(i)).norm(), 1e-7 * F.norm()) << x.transpose() << ", column " << i;
+    }
+  }
+}
+
+TEST(ExtendingLandmark, MovesAndNoiseStandsInMetres) {
+  std::mt19937_64 engine(2);
+  for (int k = 0; k < 100; ++k) {
+    const Vector6d x = random_landmark(engine);
+    if (std::abs(x(2)) < 1e-2) continue;
+    // Two half steps are one step: the prediction is that of a differential equation.
+    const Vector6d halves = DecayingVelocity::predict(DecayingVelocity::predict(x, 0.05), 0.05);
+    EXPECT_LT((halves - DecayingVelocity::predict(x, 0.1)).norm(), 1e-12);
+    Matrix6d J_metric = Matrix6d::Zero();
+    J_metric.topLeftCorner<3, 3>() = position_jacobian(x.head<3>());
+    J_metric.bottomRows<3>() = DecayingVelocity::velocity_jacobian(x);
+    const Matrix6d I = DecayingVelocity::noise_jacobian(x) * J_metric;
+    EXPECT_LT((I - Matrix6d::Identity()).cwiseAbs().maxCoeff(), 1e-7);
+    EXPECT_TRUE(landmark_noise_root<DecayingVelocity>(x, 1.0, 0.1).allFinite());
+  }
+}
+
+}  // namespace
+}  // namespace slammot

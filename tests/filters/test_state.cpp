@@ -1,0 +1,245 @@
+// The EKF's joint state: shared anchors, births and deaths, and the update against textbook
+// formulas.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <random>
+
+#include "filters/ekf_update.h"
+
+namespace slammot {
+namespace {
+
+const Linearisation kStandard("standard", find_landmark("scaled_velocity"), nullptr);
+
+Camera pinhole() { return {640, 480, 385.0, 385.0, 319.5, 239.5, PinholeLens{}}; }
+
+// A camera and four landmarks born with it; `anchors` of them, shared or one for each.
+JointState scene(int anchors) {
+  JointState state;
+  Vector12d sigma;
+  sigma << Eigen::Vector3d::Constant(0.05), Eigen::Vector3d::Constant(0.01),
+      Eigen::Vector3d::Constant(0.3), Eigen::Vector3d::Constant(0.1);
+  state.covariance.append({}, sigma.cwiseAbs2().asDiagonal().toDenseMatrix());
+  for (int i = 0; i < anchors; ++i) {
+    const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+    const StateBlock block =
+        state.covariance.append({{{kPosition, 3}, I}}, Eigen::Matrix3d::Zero());
+    state.anchors[i] = {state.camera.position, block, 0};
+  }
+  for (int i = 0; i < 4; ++i) {
+    FilterLandmark& l = state.landmarks[i];
+    l.record.track = i;
+    l.anchor = i % anchors;
+    l.y = {0.2 * i - 0.3, 0.1 * (i % 2), 0.2};
+    l.y_block =
+        state.covariance.append({}, Eigen::Vector3d(1e-5, 1e-5, 1e-3).asDiagonal().toDenseMatrix());
+    ++state.anchors.at(l.anchor).landmarks;
+  }
+  return state;
+}
+
+std::vector<Match> pixels_of(const JointState& state, unsigned seed) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal;
+  std::vector<Match> matches;
+  for (const auto& [track, l] : state.landmarks) {
+    const auto z = observe(pinhole(), state.camera.position, state.camera.orientation,
+                           state.anchors.at(l.anchor).position, l.y);
+    matches.push_back({track, z->pixel + 2.0 * Eigen::Vector2d(normal(engine), normal(engine))});
+  }
+  return matches;
+}
+
+void step(JointState& state, const std::vector<Match>& matches) {
+  MotionNoise noise{2.0, 1.0};
+  const double dt = 0.1;
+  state.covariance.propagate({JointState::kCamera}, predict_jacobian(state.camera, dt),
+                             camera_noise(noise, state.camera, dt));
+  state.camera = predict(state.camera, dt);
+  Innovation z;
+  linearise(state, kStandard, pinhole(), matches, z);
+  update(state, kStandard, pinhole(), 1.0, 1, z);
+}
+
+TEST(SharedAnchor, GivesTheSameEstimatesAsOneForEachLandmark) {
+  JointState shared = scene(1), single = scene(4);
+  shared.camera.velocity = single.camera.velocity = {1.0, 0.0, 0.2};
+  EXPECT_EQ(shared.covariance.size() + 9, single.covariance.size());
+  for (unsigned k = 1; k <= 20; ++k) {
+    const auto matches = pixels_of(shared, k);
+    step(shared, matches);
+    step(single, matches);
+  }
+  const auto P = shared.covariance.block(JointState::kCamera, JointState::kCamera);
+  const auto Q = single.covariance.block(JointState::kCamera, JointState::kCamera);
+  EXPECT_LT((P - Q).norm(), 1e-11 * Q.norm());
+  EXPECT_LT(boxminus(shared.camera, single.camera).norm(), 1e-11);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_LT((shared.landmarks.at(i).y - single.landmarks.at(i).y).norm(), 1e-11);
+    EXPECT_LT((shared.anchors.at(0).position - single.anchors.at(i).position).norm(), 1e-11);
+  }
+}
+
+Eigen::MatrixXd dense_H(const JointState& state, const Innovation& z) {
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(z.rows(), state.covariance.size());
+  for (std::size_t i = 0; i < z.matches.size(); ++i) {
+    const FilterLandmark& l = state.landmarks.at(z.matches[i].track);
+    auto rows = H.middleRows<2>(static_cast<Eigen::Index>(2 * i));
+    rows.leftCols<6>() = z.predicted[i].J_pose;
+    rows.middleCols<3>(state.anchors.at(l.anchor).block.offset) = z.predicted[i].J_anchor;
+    rows.middleCols<3>(l.y_block.offset) = z.predicted[i].J_y;
+  }
+  return H;
+}
+
+TEST(Update, IsTheTextbookUpdate) {
+  JointState state = scene(1);
+  const auto matches = pixels_of(state, 1);
+  Innovation z;
+  linearise(state, kStandard, pinhole(), matches, z);
+  const int n = state.covariance.size();
+  const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(n, n);
+  const Eigen::MatrixXd P = state.covariance.dense();
+  const Eigen::MatrixXd H = dense_H(state, z);
+  EXPECT_LT((*z.P_Ht - P * H.transpose()).norm(), 1e-12 * (*z.P_Ht).norm());
+  const Eigen::MatrixXd R = Eigen::MatrixXd::Identity(8, 8) * 1.44;
+  const Eigen::MatrixXd S = H * P * H.transpose() + R;
+  const Eigen::MatrixXd K = P * H.transpose() * S.inverse();
+  Eigen::MatrixXd Joseph = (I - K * H) * P * (I - K * H).transpose() + K * R * K.transpose();
+  const Eigen::VectorXd dx = K * z.stacked_nu();
+  Eigen::MatrixXd reset = I;
+  reset.block<3, 3>(3, 3) = right_jacobian_so3(dx.segment<3>(3));
+  Joseph = (reset * Joseph * reset.transpose()).eval();
+  const CameraState expected = boxplus(state.camera, Vector12d(dx.head<12>()));
+  update(state, kStandard, pinhole(), 1.44, 1, z);
+  EXPECT_LT((state.covariance.dense() - Joseph).norm(), 1e-10 * Joseph.norm());
+  EXPECT_LT(boxminus(state.camera, expected).norm(), 1e-12);
+}
+
+TEST(Gate, TakesEachMeasurementOnItsOwn) {
+  JointState state = scene(1);
+  auto matches = pixels_of(state, 2);
+  matches[2].pixel += Eigen::Vector2d(300.0, 0.0);
+  Innovation z;
+  linearise(state, kStandard, pinhole(), matches, z);
+  Gate result;
+  gate(state, PixelGate(0.99, 1.0), z, result);
+  EXPECT_EQ(result.rejected, std::vector<int>{2});
+  EXPECT_EQ(z.matches.size(), 3u);
+  EXPECT_EQ(z.matches[2].track, 3);
+}
+
+// Deaths move other blocks into the gaps: each must be found where it now is, with all it has in
+// common with the others.
+TEST(RemoveLandmarks, LeavesTheMarginalOfTheRest) {
+  JointState state = scene(4);
+  state.free_motion(3, 0.5);
+  for (unsigned k = 1; k <= 3; ++k) step(state, pixels_of(state, k));
+  const auto marginal = [&] {
+    const FilterLandmark &a = state.landmarks.at(1), &b = state.landmarks.at(3);
+    const std::vector<StateBlock> blocks{JointState::kCamera, state.anchors.at(1).block,
+                                         a.y_block,           state.anchors.at(3).block,
+                                         b.y_block,           b.w_block};
+    Eigen::MatrixXd P(27, 27);
+    int row = 0;
+    for (const StateBlock& r : blocks) {
+      int column = 0;
+      for (const StateBlock& c : blocks) {
+        P.block(row, column, r.dim, c.dim) = state.covariance.block(r, c);
+        column += c.dim;
+      }
+      row += r.dim;
+    }
+    return P;
+  };
+  const Eigen::MatrixXd before = marginal();
+  state.remove_landmarks({0, 2});
+  EXPECT_EQ(state.covariance.size(), 12 + 2 * 6 + 3);
+  EXPECT_EQ(state.anchors.size(), 2u);
+  EXPECT_TRUE(marginal() == before);
+}
+
+TEST(UpdateAlone, MovesNothingButItsLandmark) {
+  JointState state = scene(1);
+  for (unsigned k = 1; k <= 3; ++k) step(state, pixels_of(state, k));
+  const CameraState camera = state.camera;
+  const Matrix12d P = state.covariance.block(JointState::kCamera, JointState::kCamera);
+  const StateBlock own = state.landmarks.at(1).y_block;
+  const double before = state.covariance.block(own, own).trace();
+  Innovation memory;
+  update_alone(state, kStandard, pinhole(), pixels_of(state, 9)[1], 1.0, memory);
+  EXPECT_EQ(boxminus(state.camera, camera).norm(), 0.0);
+  EXPECT_EQ(state.covariance.block(JointState::kCamera, JointState::kCamera), P);
+  EXPECT_LT(state.covariance.block(own, own).trace(), before);
+  EXPECT_GT(Eigen::MatrixXd(state.covariance.dense())
+                .selfadjointView<Eigen::Lower>()
+                .eigenvalues()
+                .minCoeff(),
+            -1e-15);
+}
+
+Eigen::MatrixXd some_covariance(int n) {
+  std::srand(1);
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Random(n, n);
+  const Eigen::MatrixXd C = A * A.transpose();  // symmetric but for rounding
+  return 0.5 * (C + C.transpose());
+}
+
+TEST(JointCovariance, HasTheProductsOfADenseMatrix) {
+  const int n = 300;  // more than one run of columns
+  const Eigen::MatrixXd P = some_covariance(n), A = some_covariance(n).topRows(7);
+  const Eigen::MatrixXd S = some_covariance(7), x = Eigen::MatrixXd::Random(20, 2);
+  JointCovariance joint;
+  joint.append_rows(Eigen::MatrixXd(0, 12), P.topLeftCorner(12, 12));
+  joint.append_rows(P.topRightCorner(12, n - 12), P.bottomRightCorner(n - 12, n - 12));
+  EXPECT_TRUE(joint.dense() == P);
+  EXPECT_LT((joint.multiply({5, 20}, x) - P.middleCols(5, 20) * x).norm(), 1e-12 * P.norm());
+  joint.add_product(A, S * A);
+  EXPECT_LT((joint.dense() - P - A.transpose() * S * A).norm(), 1e-12 * joint.dense().norm());
+  joint.assign(P);
+  joint.clear({30, 3});
+  EXPECT_EQ(joint.multiply({30, 3}, Eigen::Matrix3d::Identity()).norm(), 0.0);
+  EXPECT_TRUE(joint.block({0, 3}, {33, 3}) == P.block(0, 33, 3, 3));
+}
+
+// The same by its definition: the innovation of one measurement beside its prediction from the
+// others, over the covariance of that difference.
+double nis_of_leave_one_out(const Eigen::MatrixXd& S, const Eigen::VectorXd& nu, Eigen::Index i) {
+  std::vector<Eigen::Index> own{2 * i, 2 * i + 1}, others;
+  for (Eigen::Index k = 0; k < nu.size(); ++k) {
+    if (k / 2 != i) others.push_back(k);
+  }
+  const Eigen::MatrixXd G = S(own, others) * S(others, others).inverse();
+  const Eigen::Vector2d left = nu(own) - G * nu(others);
+  const Eigen::Matrix2d C = S(own, own) - G * S(others, own);
+  return left.dot(C.inverse() * left);
+}
+
+TEST(NisGivenOthers, IsThatOfTheInnovationBesideItsPredictionFromTheOthers) {
+  std::mt19937_64 engine(5);
+  std::normal_distribution<double> normal;
+  constexpr int kMatches = 7, kRows = 2 * kMatches;
+  const Eigen::MatrixXd A =
+      Eigen::MatrixXd::NullaryExpr(kRows, kRows, [&] { return normal(engine); });
+  const Eigen::MatrixXd S = A * A.transpose() + 0.1 * Eigen::MatrixXd::Identity(kRows, kRows);
+  const Eigen::MatrixXd L = S.llt().matrixL();
+  const Eigen::VectorXd nu = Eigen::VectorXd::NullaryExpr(kRows, [&] { return normal(engine); });
+  Innovation solved;  // as update() leaves it
+  solved.matches.resize(kMatches);
+  solved.nu.resize(kMatches);
+  solved.S.resize(kRows, kRows);
+  *solved.S = L;
+  solved.stacked_nu() = L.triangularView<Eigen::Lower>().solve(nu);
+  std::vector<double> nis;
+  nis_given_others(solved, nis);
+  ASSERT_EQ(nis.size(), kMatches);
+  for (Eigen::Index i = 0; i < kMatches; ++i) {
+    const double expected = nis_of_leave_one_out(S, nu, i);
+    EXPECT_NEAR(nis[static_cast<std::size_t>(i)], expected, 1e-9 * expected);
+  }
+}
+
+}  // namespace
+}  // namespace slammot

@@ -1,0 +1,245 @@
+// Images as they come: the program names what is wrong in one line and ends with 2, or leaves the
+// frame out and counts it; and the same measurements come from any number of threads.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "datasets/native/native_reader.h"
+#include "tests/eval/fixture.h"
+
+namespace slammot {
+namespace {
+
+using Path = std::filesystem::path;
+
+cv::Mat scene(int shift) {
+  cv::Mat image(120, 160, CV_8U);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
+      const double x = u - shift, y = v;
+      image.at<uchar>(v, u) = static_cast<uchar>(128.0 + 50.0 * std::sin(0.31 * x + 0.2 * y) +
+                                                 50.0 * std::sin(0.17 * x - 0.29 * y));
+    }
+  }
+  return image;
+}
+
+class Images : public ::testing::Test {
+ protected:
+  static constexpr int kCount = 6;
+
+  void SetUp() override {
+    std::string frames = "frame,timestamp,image\n";
+    for (int i = 0; i < kCount; ++i) {
+      frames += std::to_string(i) + "," + std::to_string(0.1 * i) + "," + name(i) + "\n";
+      std::filesystem::create_directories(image(i).parent_path());
+      cv::imwrite(image(i).string(), scene(2 * i));
+    }
+    test::write_text(sequence() / "frames.csv", frames);
+    test::write_text(
+        sequence() / "sequence.yaml",
+        "format: slammot-sequence-1\nname: small\npixel_sigma: 1\ncamera: {model: pinhole, "
+        "width: 160, height: 120, fx: 100, fy: 100, cx: 79.5, cy: 59.5}\n");
+  }
+
+  Path sequence() const { return folder_.path() / "images"; }
+  Path output() const { return folder_.path() / "tracked"; }
+  static std::string name(int i) {
+    return "i/" + std::to_string(i) + (i % 2 == 0 ? ".png" : ".jpg");
+  }
+  Path image(int i) const { return sequence() / name(i); }
+
+  int track(const std::string& more = "") {
+    return slammot("track '" + sequence().string() + "' --output '" + output().string() + "' " +
+                   more);
+  }
+  int slammot(const std::string& arguments) {
+    const std::string command = std::string("'") + SLAMMOT_BINARY + "' " + arguments + " >'" +
+                                (folder_.path() / "out").string() + "' 2>'" +
+                                (folder_.path() / "error").string() + "'";
+    const int status = std::system(command.c_str());
+    out_ = test::read_text(folder_.path() / "out");
+    error_ = test::read_text(folder_.path() / "error");
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  // One line with the frame's file and the reason, exit code 2; skipped and counted when told so.
+  void expect_bad(int frame, const std::string& reason) {
+    EXPECT_EQ(track(), 2);
+    EXPECT_EQ(std::count(error_.begin(), error_.end(), '\n'), 1) << error_;
+    EXPECT_NE(error_.find(name(frame) + ":0: "), std::string::npos) << error_;
+    EXPECT_NE(error_.find(reason), std::string::npos) << error_;
+    EXPECT_EQ(track("--skip-bad-frames"), 0) << error_;
+    EXPECT_NE(out_.find("5 frames, 1 skipped"), std::string::npos) << out_;
+    EXPECT_EQ(read_native(output()).frames.size(), 5u);
+  }
+
+  void cut_short(int frame) {
+    std::filesystem::resize_file(image(frame), std::filesystem::file_size(image(frame)) / 2);
+  }
+
+  test::TemporaryFolder folder_;
+  std::string out_, error_;
+};
+
+TEST_F(Images, BecomeASequence) {
+  ASSERT_EQ(track(), 0) << error_;
+  EXPECT_EQ(error_, "");
+  const Sequence tracked = read_native(output());
+  ASSERT_EQ(tracked.frames.size(), static_cast<size_t>(kCount));
+  EXPECT_TRUE(std::filesystem::exists(output() / tracked.images.back()));
+  EXPECT_GT(tracked.frames.back().observations.size(), 10u);
+}
+
+TEST_F(Images, AnyNumberOfThreadsGivesTheSameBytes) {
+  ASSERT_EQ(track("--threads 1"), 0);
+  const std::string one = test::read_text(output() / "observations.csv");
+  ASSERT_EQ(track("--threads 3"), 0);
+  EXPECT_EQ(test::read_text(output() / "observations.csv"), one);
+}
+
+TEST_F(Images, TruncatedPng) {
+  cut_short(2);
+  expect_bad(2, "truncated");
+}
+
+TEST_F(Images, TruncatedJpeg) {
+  cut_short(3);
+  expect_bad(3, "truncated");
+}
+
+TEST_F(Images, Missing) {
+  std::filesystem::remove(image(4));
+  expect_bad(4, "frame 4 of 6 is missing");
+}
+
+TEST_F(Images, WrongSize) {
+  cv::imwrite(image(2).string(), scene(0).colRange(0, 100));
+  expect_bad(2, "the image is 100x120, not 160x120");
+}
+
+TEST_F(Images, ColourAmongGrey) {
+  cv::Mat colour;
+  cv::cvtColor(scene(4), colour, cv::COLOR_GRAY2BGR);
+  cv::imwrite(image(2).string(), colour);
+  expect_bad(2, "the image is colour, those before it are grey");
+  EXPECT_EQ(track("--mixed-colours"), 0);
+  EXPECT_NE(out_.find("6 frames, 0 skipped"), std::string::npos);
+}
+
+TEST_F(Images, NoImageAtAll) {
+  test::write_text(image(1), "this is text");
+  expect_bad(1, "no image");
+}
+
+TEST_F(Images, SixteenBits) {
+  cv::Mat deep;
+  scene(4).convertTo(deep, CV_16U, 256.0);
+  cv::imwrite(image(2).string(), deep);
+  expect_bad(2, "8 bits");
+}
+
+TEST_F(Images, NothingUsable) {
+  for (int i = 0; i < kCount; ++i) std::filesystem::remove(image(i));
+  EXPECT_EQ(track("--skip-bad-frames"), 2);
+  EXPECT_NE(error_.find("no image can be read"), std::string::npos) << error_;
+}
+
+// Then the first one is the odd one out, not the others.
+TEST_F(Images, MostAreOfAnotherSize) {
+  cv::imwrite(image(0).string(), scene(0).colRange(0, 100));
+  test::write_text(sequence() / "sequence.yaml",
+                   "format: slammot-sequence-1\nname: small\npixel_sigma: 1\ncamera: {model: "
+                   "pinhole, width: 100, height: 120, fx: 100, fy: 100, cx: 49.5, cy: 59.5}\n");
+  EXPECT_EQ(track("--skip-bad-frames"), 2);
+  EXPECT_NE(error_.find("5 of 6 images cannot be used"), std::string::npos) << error_;
+}
+
+TEST_F(Images, PaddedWithZeros) {
+  std::filesystem::resize_file(image(3), std::filesystem::file_size(image(3)) + 5000);
+  EXPECT_EQ(track(), 0) << error_;
+}
+
+TEST_F(Images, OfWhichAllAreTheSame) {
+  for (int i = 0; i < kCount; ++i)
+    cv::imwrite(image(i).replace_extension(".png").string(), scene(0));
+  std::string frames = "frame,timestamp,image\n";
+  for (int i = 0; i < kCount; ++i) {
+    frames += fmt::format("{},{},i/{}.png\n", i, 0.1 * i, i);
+  }
+  test::write_text(sequence() / "frames.csv", frames);
+  ASSERT_EQ(track(), 0) << error_;
+  EXPECT_EQ(read_native(output()).pixel_sigma, 0.01);
+}
+
+TEST_F(Images, AreNotReplacedByTheirMeasurements) {
+  const std::string frames = test::read_text(sequence() / "frames.csv");
+  EXPECT_EQ(slammot("track '" + sequence().string() + "' --output '" + sequence().string() + "'"),
+            2);
+  EXPECT_NE(error_.find("would replace"), std::string::npos) << error_;
+  EXPECT_EQ(test::read_text(sequence() / "frames.csv"), frames);
+}
+
+TEST_F(Images, UnreadableFolder) {
+  std::filesystem::remove_all(sequence());
+  EXPECT_EQ(track(), 2);
+  test::write_text(sequence(), "a file");
+  EXPECT_EQ(track(), 2);
+  EXPECT_EQ(std::count(error_.begin(), error_.end(), '\n'), 1) << error_;
+}
+
+TEST_F(Images, NoChessboard) {
+  EXPECT_EQ(track("--chessboard 9x6,0.04"), 2);
+  EXPECT_NE(error_.find("no chessboard"), std::string::npos) << error_;
+  EXPECT_EQ(track("--chessboard 9by6"), 2);
+  EXPECT_EQ(track("--chessboard 9x6,inf"), 2);
+  EXPECT_NE(error_.find("expected COLSxROWS"), std::string::npos) << error_;
+}
+
+TEST_F(Images, AMovingStartHasNoMeasurements) {
+  ASSERT_EQ(track("--moving-start"), 0) << error_;
+  const Sequence tracked = read_native(output());
+  EXPECT_TRUE(tracked.frames[0].observations.empty());
+  EXPECT_FALSE(tracked.frames[1].observations.empty());
+}
+
+TEST_F(Images, VelocityOfATruthThatIsNotThere) {
+  EXPECT_EQ(track("--velocity-sigma 0.1"), 2);
+  EXPECT_NE(error_.find("no true pose"), std::string::npos) << error_;
+}
+
+TEST_F(Images, ARunIsDrawnOverThem) {
+  ASSERT_EQ(track(), 0);
+  const std::string run = "run '" + output().string() + "' --estimator ekf --output '" +
+                          (folder_.path() / "run").string() + "' ";
+  const std::string draw = "draw '" + (folder_.path() / "run").string() + "'";
+  ASSERT_EQ(slammot(run), 0) << error_;
+  EXPECT_EQ(slammot(draw), 2);
+  EXPECT_NE(error_.find("every-frame"), std::string::npos) << error_;
+  ASSERT_EQ(slammot(run + "--landmarks every-frame"), 0) << error_;
+  ASSERT_EQ(slammot(draw), 0) << error_;
+  const Path pictures = folder_.path() / "run" / "pictures";
+  cv::VideoCapture film((pictures / "film.mp4").string());
+  int frames = 0;
+  for (cv::Mat picture; film.read(picture); ++frames) EXPECT_GT(picture.cols, 2 * 160);
+  EXPECT_EQ(frames, kCount);
+  const cv::Mat last = cv::imread((pictures / "frames" / "000005.png").string());
+  ASSERT_FALSE(last.empty());
+  // All its landmarks are static: there is blue on the grey image, and no red.
+  cv::Mat blue, red;
+  cv::inRange(last, cv::Scalar(200, 0, 0), cv::Scalar(255, 100, 80), blue);
+  cv::inRange(last, cv::Scalar(0, 0, 200), cv::Scalar(80, 80, 255), red);
+  EXPECT_GT(cv::countNonZero(blue), 20);
+  EXPECT_EQ(cv::countNonZero(red), 0);
+  std::filesystem::remove(image(3));
+  EXPECT_EQ(slammot(draw), 2);
+  EXPECT_NE(error_.find(name(3) + ":0: no such file"), std::string::npos) << error_;
+}
+
+}  // namespace
+}  // namespace slammot

@@ -1,0 +1,35 @@
+// A recorded sequence with a board that fixes the scale, where it is present: from its images to
+// metres, without alignment, as docs/images.md has it.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "datasets/readers/image_reader.h"
+#include "eval/configuration/configuration.h"
+#include "eval/metrics/metrics.h"
+#include "eval/run/run.h"
+#include "frontend/tracking/track_images.h"
+
+namespace slammot {
+namespace {
+
+TEST(Recorded, DeskIsKnownToTwoCentimetres) {
+  const std::filesystem::path folder = std::filesystem::path(SLAMMOT_SHARED_DATA) / "desk_hand";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
+  TrackOptions options;
+  options.chessboard = parse_chessboard("9x6,0.04");
+  const Sequence sequence = track_images(read_images(folder), options).sequence;
+  EXPECT_EQ(sequence.known.size(), 4u);
+  Configuration configuration;
+  load_configuration(configuration, SLAMMOT_SOURCE_DIR "/bench/real/desk_hand.yaml");
+  const RunResult run = run_estimator(sequence, configuration, "ekf");
+  ASSERT_FALSE(run.diverged);
+  const RunMetrics metrics = compute_metrics(sequence, run, 0.95);
+  ASSERT_TRUE(metrics.filtered.accuracy.value);
+  const double rmse = metrics.filtered.accuracy.value->position_rmse;
+  std::printf("desk_hand, ekf: position RMSE %.4f m without alignment\n", rmse);
+  EXPECT_LT(rmse, 0.02);
+}
+
+}  // namespace
+}  // namespace slammot

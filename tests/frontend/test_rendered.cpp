@@ -1,0 +1,112 @@
+// From pixels to NEES, without outside data: a short rendered sequence through front end, EKF and
+// window.
+//
+// The NEES is reported, not judged: the errors of a track are not white (its patch has one error
+// for long), which no estimator here models. Judged are what the rest must give: the noise measured
+// against the true one, the path, the labels.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "datasets/native/native_reader.h"
+#include "datasets/native/native_writer.h"
+#include "datasets/readers/image_reader.h"
+#include "eval/metrics/metrics.h"
+#include "eval/run/run.h"
+#include "frontend/rendering/render.h"
+#include "frontend/tracking/track_images.h"
+#include "tests/eval/fixture.h"
+
+namespace slammot {
+namespace {
+
+// Errors of all but the first measurement of each static track: the first one defines the point.
+std::vector<double> pixel_errors(const Sequence& sequence) {
+  std::vector<double> errors;
+  std::set<int> seen;
+  for (size_t i = 0; i < sequence.frames.size(); ++i) {
+    const CameraState& camera = *sequence.truth[i];
+    for (const Observation& z : sequence.frames[i].observations) {
+      const TrueLandmark& landmark = sequence.landmarks.at(z.track);
+      if (landmark.label != Label::kStatic || seen.insert(z.track).second) continue;
+      const Eigen::Vector3d ray =
+          camera.orientation.conjugate() * (landmark.at(0)->position - camera.position);
+      const Eigen::Vector2d error = z.pixel - sequence.camera.project(ray)->pixel;
+      errors.insert(errors.end(), {std::abs(error.x()), std::abs(error.y())});
+    }
+  }
+  std::sort(errors.begin(), errors.end());
+  return errors;
+}
+
+class Rendered : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    write_room({{"frames", "45"}, {"k1", "-0.1"}, {"width", "320"}}, 1, folder() / "room");
+    TrackedImages tracked = track_images(read_images(folder() / "room"), {});
+    add_room_truth(folder() / "room", tracked.sequence);
+    write_native(tracked.sequence, folder() / "tracked");
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder()); }
+  static std::filesystem::path folder() {
+    return std::filesystem::temp_directory_path() / ("slammot-room-" + std::to_string(getpid()));
+  }
+  static Sequence tracked() { return read_native(folder() / "tracked"); }
+};
+
+TEST_F(Rendered, TheSameSeedGivesTheSameImages) {
+  RoomOptions options;
+  options.width = 64;
+  options.height = 48;
+  options.exposure = 0.02;
+  const auto image = [&](std::uint64_t seed) {
+    return render(Room(options, seed), options, seed, 3);
+  };
+  EXPECT_EQ(cv::norm(image(5), image(5), cv::NORM_INF), 0.0);
+  EXPECT_GT(cv::norm(image(5), image(6), cv::NORM_INF), 0.0);
+}
+
+TEST_F(Rendered, TheTruthIsThereForEveryTrack) {
+  const Sequence sequence = tracked();
+  EXPECT_TRUE(sequence.exact_truth);
+  EXPECT_EQ(sequence.known.size(), 4u);
+  int moving = 0;
+  for (const auto& [track, landmark] : sequence.landmarks) {
+    moving += landmark.label == Label::kMoving ? 1 : 0;
+  }
+  EXPECT_GT(moving, 5);
+  for (const Observation& z : sequence.frames.front().observations) {
+    EXPECT_EQ(sequence.landmarks.at(z.track).label, Label::kStatic);
+  }
+}
+
+TEST_F(Rendered, TheNoiseMeasuredIsThatOfTheTracks) {
+  const Sequence sequence = tracked();
+  const std::vector<double> errors = pixel_errors(sequence);
+  const double sigma = 1.4826 * errors[errors.size() / 2];
+  std::printf("noise measured %.3f px; true, robustly %.3f px, 90%% below %.3f px\n",
+              sequence.pixel_sigma, sigma, errors[errors.size() * 9 / 10]);
+  EXPECT_GT(sequence.pixel_sigma, sigma / 2.0);
+  EXPECT_LT(sequence.pixel_sigma, sigma * 2.0);
+}
+
+TEST_F(Rendered, FromPixelsToNees) {
+  const Sequence sequence = tracked();
+  for (const char* estimator : {"ekf", "window"}) {
+    const RunResult run = run_estimator(sequence, Configuration{}, estimator);
+    ASSERT_FALSE(run.diverged) << estimator;
+    const RunMetrics metrics = compute_metrics(sequence, run, 0.95);
+    ASSERT_TRUE(metrics.filtered.accuracy.value && metrics.filtered.consistency.value);
+    const Accuracy& accuracy = *metrics.filtered.accuracy.value;
+    std::printf("%s: position RMSE %.4f m, pose NEES %.1f (6 expected of white noise)\n", estimator,
+                accuracy.position_rmse, metrics.filtered.consistency.value->pose.mean);
+    EXPECT_LT(accuracy.position_rmse, 0.02);  // of a path of 1.7 m
+    const auto& labels = metrics.classification;
+    EXPECT_LE(labels.statics.wrong, labels.statics.right / 20);
+    EXPECT_EQ(labels.movings.wrong, 0);
+  }
+}
+
+}  // namespace
+}  // namespace slammot

@@ -1,0 +1,273 @@
+// Every analytic Jacobian of models/ against Ceres' automatic differentiation, on random states and
+// on nearly degenerate ones: rho near 0, rays at the image border, phi near +-pi/2, no rotation.
+#include <ceres/jet.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "models/camera.h"
+#include "models/camera_motion.h"
+#include "models/initialisation.h"
+#include "models/landmarks/dynamic_inverse_depth.h"
+#include "models/landmarks/scaled_velocity.h"
+#include "models/observation.h"
+
+namespace slammot {
+namespace {
+
+constexpr int kStates = 2000;
+constexpr double kRelative = 1e-7;
+
+template <int N>
+using Jet = ceres::Jet<double, N>;
+
+// |A - B| relative to the largest entry of B.
+template <typename A, typename B>
+void expect_same(const A& analytic, const B& automatic, const std::string& what) {
+  const double scale = std::max(automatic.cwiseAbs().maxCoeff(), 1e-12);
+  const double error = (analytic - automatic).cwiseAbs().maxCoeff() / scale;
+  ASSERT_TRUE(std::isfinite(scale)) << what;
+  ASSERT_LT(error, kRelative) << what << "\nanalytic\n" << analytic << "\nautomatic\n" << automatic;
+}
+
+template <int Rows, int N, typename V>
+Eigen::Matrix<double, Rows, N> derivatives(const V& values) {
+  Eigen::Matrix<double, Rows, N> J;
+  for (int i = 0; i < Rows; ++i) J.row(i) = values(i).v.transpose();
+  return J;
+}
+
+class Random {
+ public:
+  double normal() { return normal_(engine_); }
+  double uniform(double a, double b) { return a + (b - a) * uniform_(engine_); }
+  Eigen::Vector3d vector(double sigma) {
+    return Eigen::Vector3d(normal(), normal(), normal()) * sigma;
+  }
+  // Every fourth one is zero or tiny.
+  Eigen::Vector3d rotation() {
+    const Eigen::Vector3d v = vector(1.0);
+    const int kind = count_++ % 8;
+    if (kind == 0) return Eigen::Vector3d::Zero();
+    return kind == 1 ? Eigen::Vector3d(v * 1e-9) : v;
+  }
+  // (theta, phi, rho) with rho near 0 and phi near +-pi/2 among them.
+  Eigen::Vector3d y() {
+    Eigen::Vector3d y(uniform(-3.0, 3.0), uniform(-1.5, 1.5), uniform(-0.2, 1.0));
+    const int kind = count_++ % 10;
+    if (kind == 0) y.z() = 1e-12 * normal();
+    if (kind == 1) y.z() = 0.0;
+    if (kind == 2) y.y() = (normal() > 0 ? 1.0 : -1.0) * (M_PI / 2 - 1e-3);
+    return y;
+  }
+
+ private:
+  std::mt19937_64 engine_{20100719};
+  std::normal_distribution<double> normal_;
+  std::uniform_real_distribution<double> uniform_;
+  int count_ = 0;
+};
+
+template <int N>
+CameraStateT<Jet<N>> perturbed(const CameraState& x, int offset = 0) {
+  Eigen::Matrix<Jet<N>, kCameraDim, 1> d;
+  for (int i = 0; i < kCameraDim; ++i) d(i) = Jet<N>(0.0, offset + i);
+  CameraStateT<Jet<N>> y;
+  y.position = x.position.template cast<Jet<N>>();
+  y.orientation = x.orientation.template cast<Jet<N>>();
+  y.velocity = x.velocity.template cast<Jet<N>>();
+  y.angular_velocity = x.angular_velocity.template cast<Jet<N>>();
+  return boxplus(y, d);
+}
+
+CameraState random_camera(Random& random) {
+  CameraState x;
+  x.position = random.vector(3.0);
+  x.orientation = exp_so3(random.rotation());
+  x.velocity = random.vector(2.0);
+  x.angular_velocity = random.rotation();
+  return x;
+}
+
+TEST(Jacobians, RotationVectorThereAndBack) {
+  Random random;
+  for (int k = 0; k < kStates; ++k) {
+    Eigen::Vector3d theta = random.rotation();
+    if (k % 5 == 0) theta *= (M_PI - 1e-7) / std::max(theta.norm(), 1e-300);
+    if (theta.norm() > M_PI) theta *= 3.0 / theta.norm();
+    EXPECT_LT((log_so3(exp_so3(theta)) - theta).norm(), 1e-9) << theta.transpose();
+    const Eigen::Matrix3d J = right_jacobian_so3(theta);
+    expect_same((J * inverse_right_jacobian_so3(theta)).eval(), Eigen::Matrix3d::Identity().eval(),
+                "J_r J_r^-1");
+    // Exp(theta + d) = Exp(theta) Exp(J_r d)
+    Vector3<Jet<3>> d;
+    for (int i = 0; i < 3; ++i) d(i) = Jet<3>(theta(i), i);
+    const Vector3<Jet<3>> moved =
+        log_so3(Eigen::Quaternion<Jet<3>>(exp_so3(theta).conjugate().cast<Jet<3>>() * exp_so3(d)));
+    expect_same(J, derivatives<3, 3>(moved), "right Jacobian");
+  }
+}
+
+TEST(Jacobians, CameraMotion) {
+  Random random;
+  for (int k = 0; k < kStates; ++k) {
+    const CameraState x = random_camera(random);
+    const double dt = random.uniform(0.01, 0.2);
+    const auto y = predict(perturbed<12>(x), dt);
+    const CameraState f = predict(x, dt);
+    CameraStateT<Jet<12>> f_jet;
+    f_jet.position = f.position.cast<Jet<12>>();
+    f_jet.orientation = f.orientation.cast<Jet<12>>();
+    f_jet.velocity = f.velocity.cast<Jet<12>>();
+    f_jet.angular_velocity = f.angular_velocity.cast<Jet<12>>();
+    const Matrix12d F = derivatives<12, 12>(boxminus(y, f_jet));
+    expect_same(predict_jacobian(x, dt), F, "camera motion");
+  }
+}
+
+template <typename Model>
+class LandmarkJacobians : public testing::Test {};
+using Models = testing::Types<DynamicInverseDepth, ScaledVelocity>;
+TYPED_TEST_SUITE(LandmarkJacobians, Models);
+
+TYPED_TEST(LandmarkJacobians, PredictionAndNoise) {
+  Random random;
+  for (int k = 0; k < kStates; ++k) {
+    Vector6d x;
+    x << random.y(), random.vector(1.0);
+    if (k % 7 == 0) x.tail<3>().setZero();
+    const double dt = random.uniform(0.01, 0.2);
+    Vector6<Jet<6>> x_jet;
+    for (int i = 0; i < 6; ++i) x_jet(i) = Jet<6>(x(i), i);
+    const Matrix6d F = derivatives<6, 6>(TypeParam::predict(x_jet, dt));
+    expect_same(TypeParam::predict_jacobian(x, dt), F, "prediction");
+    if (std::abs(x(2)) > 1e-3) {
+      // noise_jacobian inverts d(position, velocity)/dx.
+      Matrix6d J_metric = Matrix6d::Zero();
+      J_metric.topLeftCorner<3, 3>() = position_jacobian(x.head<3>());
+      J_metric.bottomRows<3>() = TypeParam::velocity_jacobian(x);
+      const Matrix6d I = TypeParam::noise_jacobian(x) * J_metric;
+      ASSERT_LT((I - Matrix6d::Identity()).cwiseAbs().maxCoeff(), 1e-7) << x.transpose();
+    }
+  }
+}
+
+TYPED_TEST(LandmarkJacobians, PredictionMovesThePointByItsVelocity) {
+  Random random;
+  for (int k = 0; k < kStates; ++k) {
+    Vector6d x;
+    x << random.y(), random.vector(1.0);
+    if (std::abs(x(2)) < 1e-2) continue;
+    const double dt = random.uniform(0.01, 0.2);
+    const Vector6d next = TypeParam::predict(x, dt);
+    const Eigen::Vector3d here = direction(x(0), x(1)) / x(2);
+    const Eigen::Vector3d there = direction(next(0), next(1)) / next(2);
+    const Eigen::Vector3d moved = here + TypeParam::velocity(x) * dt;  // thesis (2.5)
+    EXPECT_LT((there - moved).norm(), 1e-9 * (1.0 + moved.norm()));
+    EXPECT_LT((TypeParam::velocity(next) - TypeParam::velocity(x)).norm(),
+              1e-9 * (1.0 + TypeParam::velocity(x).norm()));
+  }
+}
+
+Camera camera_with(std::string_view lens, std::vector<double> distortion) {
+  Camera camera{752, 480, 420.5, 420.6, 355.2, 250.3, make_lens(lens, distortion)};
+  return camera;
+}
+
+class ObservationJacobians : public testing::TestWithParam<Camera> {};
+
+TEST_P(ObservationJacobians, PixelOfALandmark) {
+  constexpr int N = 12;  // position 3, rotation 3, anchor 3, y 3
+  Random random;
+  const Camera& camera = GetParam();
+  int tested = 0;
+  while (tested < kStates) {
+    const CameraState x = random_camera(random);
+    Eigen::Vector3d anchor = random.vector(2.0), y = random.y();
+    if (tested % 3 == 0) anchor = x.position;  // as in the frame of its birth
+    const Eigen::Vector3d ray = ray_camera(x.position, x.orientation, anchor, y);
+    if (ray.z() < 0.3 * ray.norm()) continue;  // 72 degrees: beyond the border of any image here
+    const auto z = observe(camera, x.position, x.orientation, anchor, y);
+    ASSERT_TRUE(z);
+    Vector3<Jet<N>> r, a, y_jet, d;
+    for (int i = 0; i < 3; ++i) {
+      r(i) = Jet<N>(x.position(i), i);
+      d(i) = Jet<N>(0.0, 3 + i);
+      a(i) = Jet<N>(anchor(i), 6 + i);
+      y_jet(i) = Jet<N>(y(i), 9 + i);
+    }
+    const Eigen::Quaternion<Jet<N>> R(x.orientation.cast<Jet<N>>() * exp_so3(d));
+    const Vector3<Jet<N>> ray_jet = ray_camera(r, R, a, y_jet);
+    const Vector2<Jet<N>> plane(ray_jet.x() / ray_jet.z(), ray_jet.y() / ray_jet.z());
+    const Vector2<Jet<N>> distorted =
+        std::visit([&](const auto& lens) { return lens.distort(plane); }, camera.lens);
+    const Vector2<Jet<N>> pixel(Jet<N>(camera.fx) * distorted.x(),
+                                Jet<N>(camera.fy) * distorted.y());
+    Eigen::Matrix<double, 2, N> J;
+    J << z->J_pose, z->J_anchor, z->J_y;
+    expect_same(J, derivatives<2, N>(pixel), "observation");
+    EXPECT_NEAR(pixel.x().a + camera.cx, z->pixel.x(), 1e-9);
+    ++tested;
+  }
+}
+
+TEST_P(ObservationJacobians, InitialisationInvertsObservation) {
+  Random random;
+  const Camera& camera = GetParam();
+  for (int k = 0; k < kStates; ++k) {
+    const Eigen::Quaterniond R = exp_so3(random.rotation());
+    Eigen::Vector2d pixel(random.uniform(0, camera.width - 1),
+                          random.uniform(0, camera.height - 1));
+    if (k % 5 == 0) pixel = {k % 2 ? -0.5 : camera.width - 0.6, k % 3 ? -0.5 : camera.height - 0.6};
+    const auto born = initialise(camera, R, pixel, 0.3);
+    ASSERT_TRUE(born);
+    const Eigen::Vector3d here(1.0, 2.0, 3.0);
+    const auto z = observe(camera, here, R, here, born->y);
+    ASSERT_TRUE(z);
+    EXPECT_LT((z->pixel - pixel).norm(), 1e-7);
+    // Implicit function theorem: J_y J_angles_pixel = I, J_y J_angles_rotation = -J_rotation.
+    if (std::abs(std::cos(born->y.y())) < 1e-2) continue;
+    const Eigen::Matrix2d J_angles = z->J_y.leftCols<2>();
+    EXPECT_LT((J_angles * born->J_angles_pixel - Eigen::Matrix2d::Identity()).norm(), 1e-7);
+    const Matrix23d J_rotation = z->J_pose.rightCols<3>();
+    EXPECT_LT((J_angles * born->J_angles_rotation + J_rotation).norm(), 1e-7 * J_rotation.norm());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Lenses, ObservationJacobians,
+                         testing::Values(camera_with("pinhole", {}),
+                                         camera_with("radtan", {-0.2967, 0.0809, 1e-3, -2e-3}),
+                                         camera_with("equidistant", {-0.02, 0.003, -0.004, 0.001})),
+                         [](const auto& tested) {
+                           return std::string(lens_name(tested.param.lens));
+                         });
+
+TEST(Jacobians, InverseDepthOfAPointInvertsItsPosition) {
+  Random random;
+  for (int k = 0; k < kStates; ++k) {
+    const Eigen::Vector3d anchor = random.vector(5.0), d = random.vector(4.0);
+    const Eigen::Vector3d y = inverse_depth_of(d);
+    EXPECT_LT((position_world(anchor, y) - anchor - d).norm(), 1e-12 * (1.0 + d.norm()));
+    const Eigen::Matrix3d I = position_jacobian(y) * inverse_depth_jacobian(d);
+    EXPECT_LT((I - Eigen::Matrix3d::Identity()).norm(), 1e-9);
+  }
+}
+
+TEST(CameraNoise, BothDiscretisationsGiveTheVelocityTheSameVariance) {
+  CameraState x;
+  x.angular_velocity = {0.1, -0.3, 0.2};
+  MotionNoise noise{2.0, 0.5, NoiseDiscretisation::kWhiteNoise};
+  const double dt = 1.0 / 15.0;
+  const Matrix12d white = camera_noise(noise, x, dt);
+  noise.discretisation = NoiseDiscretisation::kImpulse;
+  const Matrix12d impulse = camera_noise(noise, x, dt);
+  EXPECT_LT((white.bottomRightCorner<6, 6>() - impulse.bottomRightCorner<6, 6>()).norm(), 1e-15);
+  EXPECT_NEAR(white(kVelocity, kVelocity), std::pow(2.0 * dt, 2), 1e-15);
+  EXPECT_EQ(Eigen::FullPivLU<Matrix12d>(white).rank(), 12);
+  Eigen::FullPivLU<Matrix12d> lu(impulse);
+  lu.setThreshold(1e-9);
+  EXPECT_EQ(lu.rank(), 6);
+}
+
+}  // namespace
+}  // namespace slammot

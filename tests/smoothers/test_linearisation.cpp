@@ -1,0 +1,53 @@
+// Where the window takes its Jacobians: a flag that is ignored is found out.
+#include <gtest/gtest.h>
+
+#include "datasets/simulation/scenario.h"
+#include "eval/run/run.h"
+#include "tests/estimators/linearisation_fixture.h"
+
+namespace slammot {
+namespace {
+
+// Of the last camera, with true labels and an open gate.
+Matrix12d last_covariance(const std::string& linearisation, unsigned seed) {
+  const Sequence sequence = test::renoised(simulate("matched", {{"frames", "40"}}, 1), seed);
+  Configuration configuration;
+  assign(configuration, {"landmark", "scaled_velocity"});
+  assign(configuration, {"window.linearisation", linearisation});
+  assign(configuration, {"window.frames", "5"});
+  assign(configuration, {"gate.probability", "0.999999999999"});
+  assign(configuration, {"prior.source", "stated"});
+  assign(configuration, {"classifier", "truth"});
+  assign(configuration, {"labels", "one_way"});
+  const RunResult run = run_estimator(sequence, configuration, "window");
+  EXPECT_FALSE(run.diverged);
+  return run.filtered.back().covariance;
+}
+
+using test::relative_difference;
+
+TEST(WindowLinearisation, IdealDoesNotDependOnTheMeasurements) {
+  EXPECT_LT(relative_difference(last_covariance("ideal", 1), last_covariance("ideal", 2)), 1e-9);
+  EXPECT_GT(relative_difference(last_covariance("standard", 1), last_covariance("standard", 2)),
+            1e-3);
+  EXPECT_GT(relative_difference(last_covariance("fej", 1), last_covariance("fej", 2)), 1e-3);
+}
+
+TEST(WindowLinearisation, EachIsAnother) {
+  const Matrix12d standard = last_covariance("standard", 1), fej = last_covariance("fej", 1),
+                  ideal = last_covariance("ideal", 1);
+  EXPECT_GT(relative_difference(standard, fej), 1e-3);
+  EXPECT_GT(relative_difference(standard, ideal), 1e-3);
+  EXPECT_GT(relative_difference(fej, ideal), 1e-3);
+}
+
+TEST(WindowLinearisation, IdealNeedsTheTruth) {
+  Sequence sequence = simulate("matched", {{"frames", "3"}}, 1);
+  Configuration configuration;
+  assign(configuration, {"window.linearisation", "ideal"});
+  sequence.exact_truth = false;
+  EXPECT_THROW(run_estimator(sequence, configuration, "window"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace slammot
