@@ -7,6 +7,7 @@
 
 #include "datasets/native/native_writer.h"
 #include "datasets/readers/reader.h"
+#include "tests/paths.h"
 #include "tests/temporary_folder.h"
 
 namespace slammot {
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 
 fs::path shared_data() {
   const char* set = std::getenv("SLAMMOT_DATA");
-  return set ? set : SLAMMOT_SHARED_DATA;
+  return set ? set : test::kSharedData;
 }
 
 const std::string kGood =

@@ -8,6 +8,7 @@
 #include "datasets/simulation/scenario.h"
 #include "datasets/text/text_table.h"
 #include "eval/run/run.h"
+#include "tests/paths.h"
 
 namespace slammot {
 namespace {
@@ -22,7 +23,7 @@ struct GoldenFrame {
 
 std::vector<GoldenFrame> read_golden(const std::string& name) {
   const std::filesystem::path file =
-      std::filesystem::path(SLAMMOT_SOURCE_DIR) / "tests/golden" / ("circle_" + name + ".csv");
+      std::filesystem::path(test::kSourceDir) / "tests/golden" / ("circle_" + name + ".csv");
   const std::string text = read_text_file(file);
   std::vector<GoldenFrame> golden;
   TextTable table(file, text);

@@ -13,11 +13,12 @@
 #include "eval/metrics/metrics.h"
 #include "eval/metrics/nees.h"
 #include "eval/run/run.h"
+#include "tests/paths.h"
 
 namespace slammot {
 namespace {
 
-const std::filesystem::path kData = SLAMMOT_SHARED_DATA;
+const std::filesystem::path kData = test::kSharedData;
 
 // The same exact projections with other noise.
 Sequence renoised(Sequence sequence, unsigned seed) {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "tests/eval/fixture.h"
+#include "tests/paths.h"
 
 namespace slammot {
 namespace {
@@ -20,7 +21,7 @@ Outcome slammot(const std::string& arguments) {
   const test::TemporaryFolder folder;
   const auto out = folder.path() / "out";
   const auto error = folder.path() / "error";
-  const std::string command = std::string("'") + SLAMMOT_BINARY + "' " + arguments + " >'" +
+  const std::string command = std::string("'") + test::kBinary + "' " + arguments + " >'" +
                               out.string() + "' 2>'" + error.string() + "'";
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, test::read_text(out),

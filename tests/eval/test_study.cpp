@@ -8,6 +8,7 @@
 #include "eval/statistics/bootstrap.h"
 #include "eval/statistics/statistics.h"
 #include "eval/study/study_summary.h"
+#include "tests/paths.h"
 
 namespace slammot {
 namespace {
@@ -30,7 +31,7 @@ TEST(Bootstrap, IntervalOfAMeanIsThatOfTheNormalDistribution) {
 
 TEST(Study, EachThatShipsCanBeRead) {
   int count = 0;
-  const std::filesystem::path folder = std::filesystem::path(SLAMMOT_SOURCE_DIR) / "eval/studies";
+  const std::filesystem::path folder = std::filesystem::path(test::kSourceDir) / "eval/studies";
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     try {
       EXPECT_GT(read_study(entry.path()).cells.size(), 1U) << entry.path();

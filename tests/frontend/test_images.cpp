@@ -11,6 +11,7 @@
 
 #include "datasets/native/native_reader.h"
 #include "tests/eval/fixture.h"
+#include "tests/paths.h"
 
 namespace slammot {
 namespace {
@@ -59,7 +60,7 @@ class Images : public ::testing::Test {
                    more);
   }
   int slammot(const std::string& arguments) {
-    const std::string command = std::string("'") + SLAMMOT_BINARY + "' " + arguments + " >'" +
+    const std::string command = std::string("'") + test::kBinary + "' " + arguments + " >'" +
                                 (folder_.path() / "out").string() + "' 2>'" +
                                 (folder_.path() / "error").string() + "'";
     const int status = std::system(command.c_str());

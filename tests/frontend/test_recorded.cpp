@@ -9,19 +9,21 @@
 #include "eval/metrics/metrics.h"
 #include "eval/run/run.h"
 #include "frontend/tracking/track_images.h"
+#include "tests/paths.h"
 
 namespace slammot {
 namespace {
 
 TEST(Recorded, DeskIsKnownToTwoCentimetres) {
-  const std::filesystem::path folder = std::filesystem::path(SLAMMOT_SHARED_DATA) / "desk_hand";
+  const std::filesystem::path folder = std::filesystem::path(test::kSharedData) / "desk_hand";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
   TrackOptions options;
   options.chessboard = parse_chessboard("9x6,0.04");
   const Sequence sequence = track_images(read_images(folder), options).sequence;
   EXPECT_EQ(sequence.known.size(), 4u);
   Configuration configuration;
-  load_configuration(configuration, SLAMMOT_SOURCE_DIR "/bench/real/desk_hand.yaml");
+  load_configuration(configuration,
+                     std::filesystem::path(test::kSourceDir) / "bench/real/desk_hand.yaml");
   const RunResult run = run_estimator(sequence, configuration, "ekf");
   ASSERT_FALSE(run.diverged);
   const RunMetrics metrics = compute_metrics(sequence, run, 0.95);
