@@ -41,7 +41,7 @@ void Linearisation::predicted(const JointState& state, int frame, double dt) {
   camera_ = kind_ == Kind::kFej ? state.camera : true_camera(*truth_, frame);
   for (const auto& [track, landmark] : state.landmarks) {
     if (kind_ == Kind::kFej) {
-      predicted_first_estimate(state, landmark);
+      predicted_first_estimate(state, track);
     } else if (landmark.is_free()) {
       Vector6d& x = landmarks_.at(track);
       const auto truth =
@@ -51,11 +51,10 @@ void Linearisation::predicted(const JointState& state, int frame, double dt) {
   }
 }
 
-void Linearisation::predicted_first_estimate(const JointState& state,
-                                             const FilterLandmark& landmark) {
+void Linearisation::predicted_first_estimate(const JointState& state, int track) {
   constexpr double kKnownDepth = 0.1;  // sigma_rho / rho
-  const int track = landmark.record.track;
   if (settled_.contains(track)) return;
+  const FilterLandmark& landmark = state.landmarks.at(track);
   landmarks_[track] = landmark.x();
   const StateBlock rho{landmark.y_block.offset + 2, 1};
   const double sigma = std::sqrt(state.covariance.block(rho, rho)(0, 0));

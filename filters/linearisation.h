@@ -65,7 +65,7 @@ class Linearisation {
   enum class Kind { kStandard, kFej, kIdeal, kInvariant };
 
   static Kind kind_of(const std::string& name);
-  void predicted_first_estimate(const JointState& state, const FilterLandmark& landmark);
+  void predicted_first_estimate(const JointState& state, int track);
   void forget_what_left(const JointState& state);
 
   Kind kind_;

@@ -38,7 +38,7 @@ void JointState::remove_block(StateBlock block) {
   if (moved) follow(*moved, block);
 }
 
-void JointState::remove_landmarks(const std::vector<int>& tracks) {
+void JointState::remove_landmarks(std::span<const int> tracks) {
   for (const int track : tracks) {
     const auto landmark = landmarks.find(track);
     drop_motion(track);

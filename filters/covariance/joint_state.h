@@ -8,8 +8,8 @@
 
 #include <map>
 #include <optional>
+#include <span>
 
-#include "estimation/track_policy.h"
 #include "filters/covariance/far_part.h"
 #include "filters/covariance/joint_covariance.h"
 #include "models/camera_state.h"
@@ -23,8 +23,8 @@ struct FilterAnchor {
 };
 
 struct FilterLandmark {
-  TrackRecord record;
   int anchor = 0;                               // key of JointState::anchors
+  int last_used = 0;                            // the frame, counted by the filter
   Eigen::Vector3d y;                            // (theta, phi, rho)
   Eigen::Vector3d w = Eigen::Vector3d::Zero();  // motion, of the landmark model; zero when static
   StateBlock y_block;
@@ -77,7 +77,7 @@ struct JointState {
   void correct_far();
 
   // Removes landmarks, and anchors that nobody uses any more.
-  void remove_landmarks(const std::vector<int>& tracks);
+  void remove_landmarks(std::span<const int> tracks);
 
   // A landmark becomes static: its motion is dropped from the state (its rows are marginalised).
   void drop_motion(int track);

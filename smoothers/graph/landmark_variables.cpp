@@ -27,6 +27,14 @@ Eigen::MatrixXd jacobian_at_points(const Graph& graph, const LandmarkVariables& 
 
 }  // namespace
 
+std::optional<VariableId> add_scene(Graph& graph, const LandmarkPrior& prior) {
+  if (!(prior.mean_sigma > 0.0)) return std::nullopt;
+  const VariableId scene =
+      graph.add_variable(Eigen::VectorXd::Constant(1, prior.inverse_depth), nullptr, -1);
+  graph.add_factor({scene}, scene_prior_cost(prior));
+  return scene;
+}
+
 std::vector<Vector6d> chain_states(const Graph& graph, const LandmarkVariables& l) {
   return states(*l.chain, base_state(graph, l), noise_values(graph, l));
 }

@@ -18,6 +18,9 @@ struct LandmarkVariables {
   std::vector<VariableId> noises;  // of the chain's steps
 };
 
+// The mean inverse depth of the scene with its prior; nothing when it is known (mean_sigma = 0).
+std::optional<VariableId> add_scene(Graph& graph, const LandmarkPrior& prior);
+
 // The states (y, w) from the base to the end of the chain.
 std::vector<Vector6d> chain_states(const Graph& graph, const LandmarkVariables& landmark);
 

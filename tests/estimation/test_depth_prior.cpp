@@ -98,7 +98,7 @@ TEST(DepthPrior, Sources) {
     EXPECT_TRUE(learns_depths("map", some_are_known));
     EXPECT_EQ(learns_depths("auto", some_are_known), some_are_known);
     EXPECT_THROW(learns_depths("guess", some_are_known), std::invalid_argument);
-    EXPECT_EQ(DepthPrior(some_are_known, statement(0.2, 0.1)).born().inverse_depth, 0.2);
+    EXPECT_EQ(DepthPrior(some_are_known, statement(0.2, 0.1)).of_new().inverse_depth, 0.2);
   }
 }
 
