@@ -71,7 +71,7 @@ const std::vector<int>& LandmarkManager::classify(int frame, std::span<const Obs
   belief.motions(tracks_, motions_);
   for (MotionBelief& motion : motions_) {
     TrackRecord& record = records_.at(motion.track);
-    motion.prior_sigma = functions_.prior_sigma(record.prior);
+    motion.prior_sigmas = functions_.prior_sigmas(record.prior);
     note_answer(record, classifier_->decide(motion), frame);
     if (record.label == Label::kStatic) now_static_.push_back(motion.track);
   }

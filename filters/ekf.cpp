@@ -17,6 +17,9 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
         "ekf.deferred cannot go with linearisation invariant, which changes far rows at each "
         "update");
   }
+  if (options.deferred && functions_.motion != 3) {
+    throw std::invalid_argument("ekf.deferred needs a landmark model with a motion of 3 numbers");
+  }
   state_.camera = setup.initial.state;
   state_.covariance.append({}, setup.initial.sigmas().cwiseAbs2().asDiagonal().toDenseMatrix());
   const LandmarkPrior& prior = setup.prior;
@@ -114,7 +117,7 @@ void Ekf::collapse(std::span<const int> tracks) {
 }
 
 void Ekf::free(int track, const LandmarkPrior& prior) {
-  state_.free_motion(track, functions_.prior_sigma(prior));
+  state_.free_motion(track, functions_.prior_sigmas(prior));
 }
 
 void Ekf::remove(std::span<const int> tracks, const TrackRecords& /*records*/) {
@@ -128,7 +131,7 @@ bool Ekf::add(const Observation& z, const LandmarkPrior& prior, bool is_free) {
   if (!here) return false;
   const NewLandmark at = linearisation_.birth(state_, setup_.camera, z, frame_, *here);
   anchor_here();
-  insert(z.track, here->y, append_new(at, prior, is_free ? 6 : 3));
+  insert(z.track, here->y, append_new(at, prior, is_free ? functions_.dim() : 3));
   return true;
 }
 

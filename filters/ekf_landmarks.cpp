@@ -7,28 +7,27 @@ namespace slammot {
 
 // Thesis (2.5).
 void Ekf::predict_landmark(int track, FilterLandmark& landmark, double dt) {
-  const Vector6d at = linearisation_.landmark(state_, track);
-  const Matrix6d F = functions_.predict_jacobian(at, dt);
-  const Vector6d x = functions_.predict(landmark.x(), dt);
+  const LandmarkVector at = linearisation_.landmark(state_, track);
+  const LandmarkMatrix F = functions_.predict_jacobian(at, dt);
+  const LandmarkVector x = functions_.predict(landmark.x(), dt);
   landmark.y = x.head<3>();
-  landmark.w = x.tail<3>();
-  const Matrix6d G =
-      functions_.noise_root(functions_.predict(at, dt), setup_.prior.acceleration, dt);
+  landmark.w = x.tail(functions_.motion);
+  const LandmarkMatrix G = functions_.noise_root(functions_.predict(at, dt), setup_.prior, dt);
   state_.covariance.propagate({landmark.y_block, landmark.w_block}, F, G * G.transpose());
 }
 
 // w = 0 as an exact measurement: K = P[:,w] P_ww^-1.
 void Ekf::condition_on_rest(std::span<const int> tracks) {
-  const auto m = static_cast<Eigen::Index>(3 * tracks.size());
+  const Eigen::Index n = functions_.motion, m = n * std::ssize(tracks);
   Eigen::MatrixXd P_w(state_.covariance.size(), m);
   Eigen::VectorXd w(m);
   std::vector<int> rows;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     const FilterLandmark& landmark = state_.landmarks.at(tracks[i]);
-    const auto at = static_cast<Eigen::Index>(3 * i);
-    state_.covariance.columns(landmark.w_block, P_w.middleCols(at, 3));
-    w.segment<3>(at) = landmark.w;
-    for (int k = 0; k < 3; ++k) rows.push_back(landmark.w_block.offset + k);
+    const auto at = n * static_cast<Eigen::Index>(i);
+    state_.covariance.columns(landmark.w_block, P_w.middleCols(at, n));
+    w.segment(at, n) = landmark.w;
+    for (int k = 0; k < n; ++k) rows.push_back(landmark.w_block.offset + k);
   }
   const Eigen::LLT<Eigen::MatrixXd> P_ww(P_w(rows, Eigen::all));
   if (P_ww.info() != Eigen::Success) throw Diverged("a velocity's covariance is not positive");
@@ -41,12 +40,11 @@ void Ekf::condition_on_rest(std::span<const int> tracks) {
 
 // The rows of a landmark's (y) or (y, w) when it is initialised.
 StateBlock Ekf::append_new(const NewLandmark& at, const LandmarkPrior& prior, int dim) {
-  const double w_sigma = functions_.prior_sigma(prior);
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(dim, dim);
   R.topLeftCorner<2, 2>() =
       setup_.pixel_sigma * setup_.pixel_sigma * at.J_angles_pixel * at.J_angles_pixel.transpose();
   R(2, 2) = prior.inverse_depth_sigma * prior.inverse_depth_sigma;
-  R.bottomRightCorner(dim - 3, dim - 3).diagonal().setConstant(w_sigma * w_sigma);
+  if (dim > 3) R.diagonal().tail(dim - 3) = functions_.prior_sigmas(prior).cwiseAbs2();
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(dim, 3);
   J.topRows<2>() = at.J_angles_rotation;
   std::vector<JointCovariance::Dependence> on{{{kRotation, 3}, J}};
@@ -70,7 +68,9 @@ void Ekf::insert(int track, const Eigen::Vector3d& y, StateBlock block) {
   landmark.last_used = frames_;
   landmark.y = y;
   landmark.y_block = {block.offset, 3};
-  if (block.dim > 3) landmark.w_block = {block.offset + 3, 3};
+  if (block.dim == 3) return;
+  landmark.w.setZero(block.dim - 3);
+  landmark.w_block = {block.offset + 3, block.dim - 3};
 }
 
 }  // namespace slammot

@@ -24,7 +24,7 @@ std::optional<ObservedPixel> linearised(const JointState& state, const Linearisa
                   state.anchors.at(landmark.anchor).position, landmark.y);
   if (linearisation.at_estimate() || (!h && !linearisation.at_truth())) return h;
   const CameraState at = linearisation.camera(state);
-  const Vector6d x = linearisation.landmark(state, track);
+  const LandmarkVector x = linearisation.landmark(state, track);
   auto there = observe(camera, at.position, at.orientation,
                        linearisation.anchor(state, landmark.anchor), Eigen::Vector3d(x.head<3>()));
   if (!there) return h;
@@ -222,7 +222,9 @@ void update_alone(JointState& state, const Linearisation& linearisation, const C
                                   K * S * K.transpose());
   const Eigen::VectorXd own = K * memory.nu.front();
   dx.segment<3>(landmark.y_block.offset) = own.head<3>();
-  if (landmark.is_free()) dx.segment<3>(landmark.w_block.offset) = own.tail<3>();
+  if (landmark.is_free()) {
+    dx.segment(landmark.w_block.offset, landmark.w_block.dim) = own.tail(landmark.w_block.dim);
+  }
   state.move(dx);
 }
 

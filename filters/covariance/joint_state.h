@@ -2,8 +2,8 @@
 //
 // Landmarks born in one frame share one anchor: its rows are identical for all of them for ever, so
 // they are stored once. Layout of the error state: camera 12, the scene's depth (1) when it is to
-// be learnt, the adjoint of the far part where there is one (far_part.h), then places of 3 in any
-// order: an anchor, the y of a landmark, the w of a free one.
+// be learnt, the adjoint of the far part where there is one (far_part.h), then in any order an anchor (3),
+// the y of a landmark (3), the w of a free one.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@
 
 #include "filters/covariance/far_part.h"
 #include "filters/covariance/joint_covariance.h"
-#include "models/camera_state.h"
+#include "models/landmarks/landmark.h"
 
 namespace slammot {
 
@@ -26,14 +26,14 @@ struct FilterLandmark {
   int anchor = 0;                               // key of JointState::anchors
   int last_used = 0;                            // the frame, counted by the filter
   Eigen::Vector3d y;                            // (theta, phi, rho)
-  Eigen::Vector3d w = Eigen::Vector3d::Zero();  // motion, of the landmark model; zero when static
+  MotionVector w;                               // motion, of the landmark model; empty when static
   StateBlock y_block;
   StateBlock w_block;  // empty when static
 
   bool is_free() const { return w_block.dim > 0; }
   bool is_far() const { return y_block.far; }
   int dim() const { return y_block.dim + w_block.dim; }
-  Vector6d x() const { return (Vector6d() << y, w).finished(); }
+  LandmarkVector x() const { return landmark_state(y, w); }
 };
 
 // The mean inverse depth of the scene at first sight, when it is to be learnt: all landmarks'
@@ -82,13 +82,14 @@ struct JointState {
   // A landmark becomes static: its motion is dropped from the state (its rows are marginalised).
   void drop_motion(int track);
 
-  // A static landmark is free again, with w ~ N(0, sigma^2 I).
-  void free_motion(int track, double sigma);
+  // A static landmark is free again, with w ~ N(0, diag(sigmas)^2).
+  void free_motion(int track, const MotionVector& sigmas);
 
  private:
   // The rows of `from` are now those of `to`.
   void follow(StateBlock from, StateBlock to);
   void remove_block(StateBlock block);
+  bool is_last(int dim) const;  // whether the last rows are one block of this size
   StateBlock bring_back(StateBlock block);
 };
 
