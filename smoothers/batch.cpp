@@ -191,8 +191,8 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
 }
 
 LandmarkEstimate Batch::estimate(const BatchLandmark& l, const NormalEquations& equations) const {
-  LandmarkForm made = landmark_form(graph_, l);
-  const std::vector<LinearForm> forms{std::move(made.form)};
+  LandmarkMarginal made = landmark_marginal(graph_, l);
+  const std::vector<StateProjection> forms{std::move(made.projection)};
   made.belief.covariance = equations.covariances(forms).front();
   LandmarkEstimate estimate = landmark_estimate(window_.functions_, l.life.record, made.belief);
   if (l.w) estimate.state_frame = l.life.record.last_frame;  // where its chain ends

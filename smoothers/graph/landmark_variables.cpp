@@ -19,9 +19,9 @@ std::vector<Vector6d> noise_values(const Graph& graph, const LandmarkVariables& 
 // The newest state's Jacobian where those of the factors are taken.
 Eigen::MatrixXd jacobian_at_points(const Graph& graph, const LandmarkVariables& l) {
   Vector6d base;
-  base << graph.point(l.y), graph.point(*l.w);
+  base << linearisation_point(graph, l.y), linearisation_point(graph, *l.w);
   std::vector<Vector6d> noises;
-  for (const VariableId n : l.noises) noises.emplace_back(graph.point(n));
+  for (const VariableId n : l.noises) noises.emplace_back(linearisation_point(graph, n));
   return propagate(*l.chain, base, noises).J;
 }
 
@@ -34,7 +34,7 @@ std::vector<Vector6d> chain_states(const Graph& graph, const LandmarkVariables& 
 ChainState newest_state(const Graph& graph, const LandmarkVariables& l) {
   if (!l.w) return static_state(graph.value(l.y));
   ChainState state = propagate(*l.chain, base_state(graph, l), noise_values(graph, l));
-  if (graph.first_estimates()) state.J = jacobian_at_points(graph, l);
+  if (graph.prior().first_estimates()) state.J = jacobian_at_points(graph, l);
   return state;
 }
 
@@ -51,23 +51,23 @@ double refresh_noises(Graph& graph, const LandmarkVariables& l, double sigma_a) 
   double change = 0.0;
   for (std::size_t i = 0; i < noises.size(); ++i) {
     change = std::max(change, (noises[i] - graph.value(l.noises[i])).cwiseAbs().maxCoeff());
-    graph.set_value(l.noises[i], noises[i]);
+    graph.variable(l.noises[i]).value = noises[i];
   }
   return change;
 }
 
-LandmarkForm landmark_form(const Graph& graph, const LandmarkVariables& l) {
+LandmarkMarginal landmark_marginal(const Graph& graph, const LandmarkVariables& l) {
   const ChainState state = newest_state(graph, l);
   const Eigen::Index dim = l.w ? 6 : 3;
-  LandmarkForm result;
+  LandmarkMarginal result;
   result.belief.anchor = graph.value(l.anchor);
   result.belief.y = state.x.head<3>();
   result.belief.w = state.x.tail<3>();
-  result.form.variables = state_variables(l);
-  result.form.variables.insert(result.form.variables.begin(), l.anchor);
-  result.form.J.setZero(3 + dim, 3 + state.J.cols());
-  result.form.J.topLeftCorner<3, 3>().setIdentity();
-  result.form.J.bottomRightCorner(dim, state.J.cols()) = state.J.topRows(dim);
+  result.projection.variables = state_variables(l);
+  result.projection.variables.insert(result.projection.variables.begin(), l.anchor);
+  result.projection.J.setZero(3 + dim, 3 + state.J.cols());
+  result.projection.J.topLeftCorner<3, 3>().setIdentity();
+  result.projection.J.bottomRightCorner(dim, state.J.cols()) = state.J.topRows(dim);
   return result;
 }
 

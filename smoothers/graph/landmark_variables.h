@@ -6,7 +6,7 @@
 
 #include "estimation/landmark_estimate.h"
 #include "smoothers/graph/landmark_chain.h"
-#include "smoothers/solver/normal_equations.h"
+#include "smoothers/graph/state_projection.h"
 
 namespace slammot {
 
@@ -29,13 +29,13 @@ std::vector<VariableId> state_variables(const LandmarkVariables& landmark);
 // The noises follow the landmark's depth (lead_through); the largest change of one, in sigmas.
 double refresh_noises(Graph& graph, const LandmarkVariables& landmark, double sigma_a);
 
-// What a landmark's estimate is made of: its belief but for the covariance, and the form that gives
-// this, over the anchor and the newest state.
-struct LandmarkForm {
+// What a landmark's estimate is made of: its belief without the covariance, and the projection
+// whose covariance that is, on the anchor and the newest state (6 rows when static, else 9).
+struct LandmarkMarginal {
   LandmarkBelief belief;
-  LinearForm form;
+  StateProjection projection;
 };
-LandmarkForm landmark_form(const Graph& graph, const LandmarkVariables& landmark);
+LandmarkMarginal landmark_marginal(const Graph& graph, const LandmarkVariables& landmark);
 
 // A pixel measured by the camera (position, motion), `depth` steps after the base.
 struct MeasuredPixel {

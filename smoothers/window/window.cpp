@@ -81,7 +81,7 @@ FrameReport Window::process(const Frame& frame, StageListener& stages) {
   stages.begin("manage");
   retire(report);
   admit_new(frame, report);
-  report.state_size = graph_.far().dim();
+  report.state_size = graph_.prior().inactive.dim();
   for (const auto& [id, v] : graph_.variables()) report.state_size += v.dim();
   return report;
 }
@@ -103,8 +103,8 @@ void Window::predict(const Frame& frame) {
                        {}});
     if (!truth_) return;
     camera_to_blocks(true_camera(*truth_, frame.index), position.data(), motion.data());
-    graph_.linearise_at(newest().position, position);
-    graph_.linearise_at(newest().motion, motion);
+    graph_.variable(newest().position).linearisation_point = position;
+    graph_.variable(newest().motion).linearisation_point = motion;
   };
   if (frames_.empty()) {
     first_frame_ = frame.index;
@@ -129,9 +129,10 @@ void Window::predict(const Frame& frame) {
 }
 
 std::optional<ObservedPixel> Window::observed_at_truth(const WindowLandmark& l) const {
-  const CameraState x = camera_from_blocks(graph_.point(frames_.back().position).data(),
-                                           graph_.point(frames_.back().motion).data());
-  return observe(setup_.camera, x.position, x.orientation, graph_.point(l.anchor),
+  const CameraState x =
+      camera_from_blocks(linearisation_point(graph_, frames_.back().position).data(),
+                         linearisation_point(graph_, frames_.back().motion).data());
+  return observe(setup_.camera, x.position, x.orientation, linearisation_point(graph_, l.anchor),
                  true_chain(l).back().head<3>());
 }
 
@@ -139,7 +140,7 @@ std::optional<ObservedPixel> Window::observed_at_truth(const WindowLandmark& l) 
 std::vector<Observation> Window::gate(const Frame& frame, FrameReport& report) {
   std::vector<Observation> visible, accepted;
   std::vector<Eigen::Vector2d> innovations;
-  std::vector<LinearForm> H;
+  std::vector<StateProjection> H;
   const CameraState x = state(newest());
   for (const Observation& z : frame.observations) {
     const auto it = landmarks_.find(z.track);
@@ -155,7 +156,7 @@ std::vector<Observation> Window::gate(const Frame& frame, FrameReport& report) {
     }
     visible.push_back(z);
     innovations.emplace_back(z.pixel - h->pixel);
-    LinearForm& form = H.emplace_back();
+    StateProjection& form = H.emplace_back();
     form.variables = {newest().position, newest().motion, l.anchor};
     for (const VariableId id : state_variables(l)) form.variables.push_back(id);
     form.J.setZero(2, 15 + landmark.J.cols());
@@ -203,7 +204,7 @@ void Window::testify(const std::vector<Observation>& accepted, const std::vector
   if (!watches_innovations(models_.labels)) return;
   std::vector<TrackRecord*> records;
   std::vector<Eigen::Vector2d> residuals;
-  std::vector<LinearForm> forms;
+  std::vector<StateProjection> forms;
   for (std::size_t i = 0; i < accepted.size(); ++i) {
     WindowLandmark& l = landmarks_.at(accepted[i].track);
     const Factor& factor = graph_.factors().at(pixels[i]);
@@ -222,7 +223,7 @@ void Window::testify(const std::vector<Observation>& accepted, const std::vector
 // J of a pixel's factor in the coordinates that the last step was taken in.
 Eigen::MatrixXd Window::before(const Factor& factor, const Step& last) const {
   Eigen::MatrixXd J = factor.J;
-  if (graph_.first_estimates()) return J;
+  if (graph_.prior().first_estimates()) return J;
   for (std::size_t i = 0; i < factor.variables.size(); ++i) {
     if (!factor.at[i]->manifold) continue;
     const Eigen::Vector3d turn = last.at(factor.variables[i]).head<3>();

@@ -22,9 +22,10 @@ void Window::extend(WindowLandmark& landmark, double dt) {
 // From the base to the newest frame; where it is not known, predicted from the point before. What
 // is labelled static stays where it was then.
 std::vector<Vector6d> Window::true_chain(const WindowLandmark& l) const {
-  const Eigen::Vector3d anchor = *graph_.variables().at(l.anchor).first;
+  const Eigen::Vector3d anchor = linearisation_point(graph_, l.anchor);
   Vector6d x;
-  x << graph_.point(l.y), l.w ? Eigen::Vector3d(graph_.point(*l.w)) : Eigen::Vector3d::Zero();
+  x << linearisation_point(graph_, l.y),
+      l.w ? Eigen::Vector3d(linearisation_point(graph_, *l.w)) : Eigen::Vector3d::Zero();
   const auto base = std::find_if(frames_.begin(), frames_.end(),
                                  [&](const WindowFrame& f) { return f.position == l.base; });
   if (base == frames_.end()) return {x};
@@ -41,11 +42,12 @@ std::vector<Vector6d> Window::true_chain(const WindowLandmark& l) const {
 void Window::linearise_at_truth(const WindowLandmark& l) {
   if (!truth_) return;
   const std::vector<Vector6d> states = true_chain(l);
-  graph_.linearise_at(l.y, states.front().head<3>());
+  graph_.variable(l.y).linearisation_point = states.front().head<3>();
   if (!l.w) return;
-  graph_.linearise_at(*l.w, states.front().tail<3>());
+  graph_.variable(*l.w).linearisation_point = states.front().tail<3>();
   const auto noises = lead_through(*l.chain, states, setup_.prior.acceleration);
-  for (std::size_t i = 0; i < noises.size(); ++i) graph_.linearise_at(l.noises[i], noises[i]);
+  for (std::size_t i = 0; i < noises.size(); ++i)
+    graph_.variable(l.noises[i]).linearisation_point = noises[i];
 }
 
 double Window::refresh_noises() {

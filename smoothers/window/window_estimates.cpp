@@ -9,7 +9,7 @@ namespace slammot {
 void Window::estimate_camera(const NormalEquations& equations, const Step& last) {
   const std::vector<std::vector<VariableId>> camera{{newest().position, newest().motion}};
   Matrix12d P = equations.covariances(camera).front();
-  if (!graph_.first_estimates()) {
+  if (!graph_.prior().first_estimates()) {
     const Eigen::Vector3d turn = last.at(newest().motion).head<3>();
     const Eigen::Matrix3d J = right_jacobian_so3(turn);
     P.middleRows<3>(kRotation) = (J * P.middleRows<3>(kRotation)).eval();
@@ -20,14 +20,14 @@ void Window::estimate_camera(const NormalEquations& equations, const Step& last)
 
 std::vector<LandmarkEstimate> Window::estimate(const std::vector<int>& tracks) const {
   if (tracks.empty()) return {};
-  std::vector<LinearForm> forms;
+  std::vector<StateProjection> forms;
   std::vector<LandmarkBelief> beliefs;
   std::vector<Eigen::MatrixXd> far;
   for (const int track : tracks) {
-    LandmarkForm made = landmark_form(graph_, landmarks_.at(track));
+    LandmarkMarginal made = landmark_marginal(graph_, landmarks_.at(track));
     beliefs.push_back(std::move(made.belief));
-    LinearForm& form = forms.emplace_back(std::move(made.form));
-    far.push_back(replace_far(graph_, form));
+    StateProjection& form = forms.emplace_back(std::move(made.projection));
+    far.push_back(substitute_inactive(graph_, form));
   }
   const std::vector<Eigen::MatrixXd> P = NormalEquations(graph_).covariances(forms);
   std::vector<LandmarkEstimate> estimates;

@@ -88,7 +88,7 @@ void Window::learn_depths(const std::vector<Observation>& accepted,
                           const NormalEquations& equations) {
   if (!depth_prior_.learns()) return;
   std::vector<SeenDepth> seen;
-  std::vector<LinearForm> forms;
+  std::vector<StateProjection> forms;
   for (const Observation& z : accepted) {
     const WindowLandmark& l = landmarks_.at(z.track);
     if (l.w) continue;
@@ -104,7 +104,7 @@ void Window::learn_depths(const std::vector<Observation>& accepted,
 std::vector<int> Window::classify(const std::vector<Observation>& accepted,
                                   const NormalEquations& equations, int frame) {
   std::vector<int> asked, now_static;
-  std::vector<LinearForm> forms;
+  std::vector<StateProjection> forms;
   std::vector<Vector6d> states;
   for (const Observation& z : accepted) {
     const WindowLandmark& l = landmarks_.at(z.track);
@@ -146,10 +146,10 @@ void Window::collapse(const std::vector<int>& tracks) {
     linearise_at_truth(landmark);
   }
   if (models_.collapse != "condition") return;
-  graph_.rebase_prior();
+  graph_.prior().relinearise();
   const NormalEquations equations(graph_);
   const Step step = equations.step();
-  graph_.move(step);
+  graph_.retract(step);
   estimate_camera(equations, step);
 }
 
@@ -174,7 +174,8 @@ void Window::condition(WindowLandmark& landmark) {
   for (const FactorId prior : landmark.noise_priors) graph_.remove_factor(prior);
   for (const VariableId noise : landmark.noises) graph_.remove_variables({noise});
   graph_.remove_factor(landmark.w_prior);
-  graph_.fix_at_zero(*landmark.w);
+  graph_.prior().condition_on_zero(*landmark.w);
+  graph_.remove_variables({*landmark.w});
   for (WindowPixel& z : landmark.pixels) {
     if (z.depth == 0) continue;
     z.depth = 0;
@@ -200,11 +201,8 @@ void Window::drop(WindowLandmark& landmark) {
 void Window::retire(FrameReport& report) {
   std::vector<int> lost;
   const CameraState c = state(newest());
-  const Graph::Values far = graph_.far_values();
-  const auto value = [&](VariableId id) {
-    const auto it = far.find(id);
-    return Eigen::Vector3d(it == far.end() ? graph_.value(id) : it->second);
-  };
+  const std::map<VariableId, SmallVector> all = values(graph_);
+  const auto value = [&](VariableId id) { return Eigen::Vector3d(all.at(id)); };
   for (auto& [track, landmark] : landmarks_) {
     const Eigen::Vector3d y = landmark.w
                                   ? Eigen::Vector3d(chain_states(graph_, landmark).back().head<3>())
@@ -221,7 +219,7 @@ void Window::retire(FrameReport& report) {
   for (const int track : lost) {
     WindowLandmark& landmark = landmarks_.at(track);
     if (record_lives_) ended_lives_.push_back(life_so_far(landmark));
-    if (graph_.far().contains(landmark.y)) {
+    if (graph_.prior().inactive.contains(landmark.y)) {
       graph_.remove_variables({landmark.y});
       landmarks_.erase(track);
       continue;

@@ -35,7 +35,7 @@ std::set<VariableId> Window::rest(const WindowFrame& oldest, std::set<VariableId
   std::set<VariableId> resting, anchors_near, anchors_far;
   for (const auto& [track, l] : landmarks_) {
     const bool near = l.w || l.record.last_frame > oldest.index;
-    if (!near && !graph_.far().contains(l.y)) resting.insert(l.y);
+    if (!near && !graph_.prior().inactive.contains(l.y)) resting.insert(l.y);
     (near ? anchors_near : anchors_far).insert(l.anchor);
   }
   for (const WindowLandmark& l : dead_) {
@@ -47,13 +47,13 @@ std::set<VariableId> Window::rest(const WindowFrame& oldest, std::set<VariableId
     if (anchors_near.contains(anchor)) continue;
     if (!anchors_far.contains(anchor)) {
       unused.insert(anchor);
-    } else if (!graph_.far().contains(anchor)) {
+    } else if (!graph_.prior().inactive.contains(anchor)) {
       resting.insert(anchor);
     }
   }
   for (const VariableId anchor : unused) {
     left_anchors_.erase(anchor);
-    if (graph_.far().contains(anchor)) {
+    if (graph_.prior().inactive.contains(anchor)) {
       graph_.remove_variables({anchor});
     } else {
       leaving.insert(anchor);
@@ -68,10 +68,10 @@ void Window::bring_back_measured(const Frame& frame) {
     const auto it = landmarks_.find(z.track);
     if (it == landmarks_.end()) continue;
     for (const VariableId id : {it->second.y, it->second.anchor}) {
-      if (graph_.far().contains(id)) back.insert(id);
+      if (graph_.prior().inactive.contains(id)) back.insert(id);
     }
   }
-  graph_.bring_back({back.begin(), back.end()});
+  graph_.reactivate({back.begin(), back.end()});
 }
 
 }  // namespace slammot

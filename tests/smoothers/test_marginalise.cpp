@@ -73,7 +73,7 @@ TEST(Marginalise, WithoutThePriorTheAnswerIsAnother) {
   Graph whole = linear_problem(1), part = linear_problem(1);
   const Step solution = NormalEquations(whole).step();
   marginalise(part, {0, 1});
-  part.set_prior({}, Eigen::MatrixXd(0, 0), Eigen::VectorXd(0));
+  part.prior().active.set({}, {}, {});
   const Step step = NormalEquations(part).step();
   EXPECT_GT((step.at(2) - solution.at(2)).norm(), 1e-3);
 }
@@ -105,7 +105,7 @@ TEST(FirstEstimates, JacobiansBesideThePriorStay) {
     const FactorId apart = graph.add_factor({y, x}, std::make_unique<SquareCost>());
     Step step;
     step[x] = step[y] = SmallVector::Constant(1, 2.0);
-    graph.move(step);
+    graph.retract(step);
     graph.linearise();
     EXPECT_DOUBLE_EQ(graph.factors().at(beside).J(0, 0), first_estimates ? 6.0 : 10.0);
     EXPECT_DOUBLE_EQ(graph.factors().at(beside).r(0), 20.0);
@@ -114,37 +114,37 @@ TEST(FirstEstimates, JacobiansBesideThePriorStay) {
 }
 
 // Variables that rest in the far map while others leave, come back and are measured again.
-TEST(FarMap, ToRestAndToReturnChangesNothing) {
+TEST(ConditionalMap, ToRestAndToReturnChangesNothing) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Graph whole = linear_problem(seed), part = linear_problem(seed);
     marginalise(part, {0}, {}, {}, {1});
     marginalise(part, {2}, {}, {}, {5, 8});
     marginalise(part, {3});
-    EXPECT_EQ(part.far().dim(), 9);
+    EXPECT_EQ(part.prior().inactive.dim(), 9);
 
-    const std::vector<LinearForm> asked{{{1, 8, 9}, Eigen::MatrixXd::Identity(9, 9)}};
+    const std::vector<StateProjection> asked{{{1, 8, 9}, Eigen::MatrixXd::Identity(9, 9)}};
     const Eigen::MatrixXd P = NormalEquations(whole).covariances(asked).front();
-    LinearForm form = asked.front();
-    Eigen::MatrixXd P_part = replace_far(part, form);
-    const std::vector<LinearForm> forms{form};
+    StateProjection form = asked.front();
+    Eigen::MatrixXd P_part = substitute_inactive(part, form);
+    const std::vector<StateProjection> forms{form};
     P_part += NormalEquations(part).covariances(forms).front();
     // The order of a replaced form is that of its rows, which has not changed.
     EXPECT_LT((P - P_part).norm(), 1e-10 * P.norm()) << "seed " << seed;
 
-    part.move(NormalEquations(part).step());
-    whole.move(NormalEquations(whole).step());
+    part.retract(NormalEquations(part).step());
+    whole.retract(NormalEquations(whole).step());
     EXPECT_LT((part.value(5) - whole.value(5)).norm(), 1e-10);
-    part.bring_back({5, 1});
-    EXPECT_EQ(part.far().dim(), 3);
+    part.reactivate({5, 1});
+    EXPECT_EQ(part.prior().inactive.dim(), 3);
     for (Graph* graph : {&whole, &part}) {
       std::mt19937_64 engine(100 + seed);
       graph->add_factor({1, 5}, std::make_unique<LinearCost>(engine));
       graph->add_factor({5, 10}, std::make_unique<LinearCost>(engine));
     }
-    part.rebase_prior();
+    part.prior().relinearise();
     marginalise(part, {4, 6});
-    part.move(NormalEquations(part).step());
-    whole.move(NormalEquations(whole).step());
+    part.retract(NormalEquations(part).step());
+    whole.retract(NormalEquations(whole).step());
     for (const VariableId id : {1, 5, 7, 8, 9, 10, 11}) {
       EXPECT_LT((part.value(id) - whole.value(id)).norm(), 1e-9) << "seed " << seed;
     }
@@ -167,7 +167,7 @@ TEST(Marginalise, AdvanceIsTheTimeUpdate) {
   const VariableId y = graph.add_variable(Eigen::Vector3d::Zero(), nullptr, 1);
   const VariableId w = graph.add_variable(Eigen::Vector3d::Zero(), nullptr, 1);
   const Matrix6d root = P0.inverse().llt().matrixU();
-  graph.set_prior({y, w}, root, Eigen::VectorXd::Zero(6));
+  graph.prior().active.set({&graph.variable(y), &graph.variable(w)}, root, Vector6d::Zero());
   const VariableId n = graph.add_variable(Vector6d::Zero(), nullptr, 1);
   graph.add_factor({n}, noise_prior_cost());
   const Vector6d next = Vector6d::Constant(0.5);
@@ -256,9 +256,9 @@ TEST(NormalEquations, WithALandmarkEliminatedAreTheDenseOnes) {
       EXPECT_LT((step.at(ids[i]) - dx.segment(first[i], dims[i])).norm(), 1e-11 * dx.norm())
           << "variable " << i << ", damping " << damping;
     }
-    EXPECT_NEAR(equations.slope(step), g.dot(dx), 1e-10 * std::abs(g.dot(dx)));
+    EXPECT_NEAR(equations.predicted_decrease(step), -g.dot(dx), 1e-10 * std::abs(g.dot(dx)));
   }
-  LinearForm form{{ids[0], ids[3], ids[4], ids[6], ids[7]}, Eigen::MatrixXd::Random(4, 24)};
+  StateProjection form{{ids[0], ids[3], ids[4], ids[6], ids[7]}, Eigen::MatrixXd::Random(4, 24)};
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(4, total);
   Eigen::Index column = 0;
   for (const std::size_t i : {0, 3, 4, 6, 7}) {
