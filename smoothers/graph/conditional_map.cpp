@@ -83,6 +83,10 @@ void ConditionalMap::forget(const std::vector<VariableId>& ids) {
 void ConditionalMap::eliminate(const std::vector<int>& columns, const Eigen::MatrixXd& T,
                                const Eigen::MatrixXd& R, const Eigen::VectorXd& r) {
   const Eigen::Index n = R.rows(), rest = R.cols() - n;
+  if (columns.empty()) {  // the map does not depend on what goes; Eigen wants no empty products
+    K_ = K_.rightCols(rest).eval();
+    return;
+  }
   const Eigen::MatrixXd K_s = K_(Eigen::all, columns);
   Eigen::MatrixXd A = T.leftCols(n);
   R.leftCols(n).triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(A);

@@ -1,6 +1,7 @@
 #include "smoothers/graph/graph.h"
 
 #include <cmath>
+#include <stdexcept>
 
 namespace slammot {
 
@@ -43,6 +44,7 @@ FactorId Graph::add_factor(std::vector<VariableId> variables,
 
 void Graph::remove_variables(const std::set<VariableId>& ids) {
   for (const VariableId id : ids) {
+    if (prior_.active.find(id)) throw std::logic_error("the prior still touches this variable");
     const bool was_active = variables_.erase(id) > 0;
     if (!was_active && prior_.inactive.contains(id)) prior_.inactive.forget({id});
   }

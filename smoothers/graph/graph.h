@@ -53,8 +53,8 @@ class Graph {
                       const ceres::LossFunction* loss = nullptr);
   void remove_factor(FactorId id) { factors_.erase(id); }
 
-  // Removes active variables that no factor and no prior touches any more; inactive ones are
-  // marginalised.
+  // Removes active variables, which no factor may touch any more, and marginalises inactive ones.
+  // Throws std::logic_error when the prior still touches one.
   void remove_variables(const std::set<VariableId>& ids);
 
   // Brings inactive variables back into the prior, at their mean. Throws Diverged when their

@@ -8,10 +8,12 @@ namespace slammot {
 
 namespace {
 
+// Where each variable stands in the stacked system.
 struct Columns {
   std::vector<VariableId> order;
   std::map<VariableId, int> offset;
   int total = 0;
+  int gone = 0;  // the first ones: of what leaves or is deactivated
 
   void take(const Graph& graph, VariableId id) {
     if (!offset.try_emplace(id, total).second) return;
@@ -47,6 +49,7 @@ Columns order_columns(const Graph& graph, const std::set<VariableId>& leaving,
   }
   for (const VariableId id : leaving) columns.take(graph, id);
   for (const VariableId id : deactivated) columns.take(graph, id);
+  columns.gone = columns.total;
   for (const Advance& a : advances) {
     columns.take(graph, a.y);
     columns.take(graph, a.w);
@@ -112,12 +115,12 @@ void advance(Graph& graph, Eigen::MatrixXd& Ab, const Columns& columns,
 
 // The columns of the map's K that this marginalisation changes: those of variables that were in the
 // prior and go, or are deactivated now, or advance.
-std::vector<int> changed_columns(const Graph& graph, const Columns& columns, int gone,
+std::vector<int> changed_columns(const Graph& graph, const Columns& columns,
                                  const std::vector<Advance>& advances,
                                  const std::set<VariableId>& deactivated) {
   std::set<VariableId> ids(deactivated);
   for (const MarginalPrior::Block& b : graph.prior().active.blocks()) {
-    if (columns.offset.at(b.variable->id) < gone) ids.insert(b.variable->id);
+    if (columns.offset.at(b.variable->id) < columns.gone) ids.insert(b.variable->id);
   }
   for (const Advance& a : advances) ids.insert({a.y, a.w});
   std::vector<int> changed;
@@ -127,6 +130,15 @@ std::vector<int> changed_columns(const Graph& graph, const Columns& columns, int
     }
   }
   return changed;
+}
+
+// What has become of these columns: T in d(changed) = T dx, by the substitutions.
+Eigen::MatrixXd substituted(const std::vector<int>& changed, const Columns& columns,
+                            const std::vector<Advance>& advances) {
+  Eigen::MatrixXd T = Eigen::MatrixXd::Zero(std::ssize(changed), columns.total);
+  for (std::size_t i = 0; i < changed.size(); ++i) T(static_cast<int>(i), changed[i]) = 1.0;
+  for (const Advance& a : advances) substitute(T, columns, a);
+  return T;
 }
 
 }  // namespace
@@ -150,25 +162,16 @@ void marginalise(Graph& graph, const std::set<VariableId>& leaving,
   advance(graph, Ab, columns, advances);
   const Eigen::MatrixXd R = triangularise(Ab);
 
-  int gone = 0;  // numbers that leave or are deactivated
+  const int gone = columns.gone, kept = columns.total - gone;
+  if (!map.empty()) {
+    const std::vector<int> changed = changed_columns(graph, columns, advances, deactivated);
+    map.eliminate(changed, substituted(changed, columns, advances),
+                  R.topLeftCorner(gone, columns.total), R.col(columns.total).head(gone));
+  }
   std::vector<Variable*> remaining;
   for (const VariableId id : columns.order) {
-    Variable& v = graph.variable(id);
-    if (leaving.contains(id) || deactivated.contains(id)) {
-      gone += v.dim();
-    } else {
-      remaining.push_back(&v);
-    }
+    if (columns.offset.at(id) >= gone) remaining.push_back(&graph.variable(id));
   }
-  if (!map.empty()) {
-    const auto changed = changed_columns(graph, columns, gone, advances, deactivated);
-    Eigen::MatrixXd T = Eigen::MatrixXd::Zero(std::ssize(changed), columns.total);
-    for (std::size_t i = 0; i < changed.size(); ++i) T(static_cast<int>(i), changed[i]) = 1.0;
-    for (const Advance& a : advances) substitute(T, columns, a);
-    map.eliminate(changed, T, R.topLeftCorner(gone, columns.total),
-                  R.col(columns.total).head(gone));
-  }
-  const int kept = columns.total - gone;
   prior.set(remaining, R.block(gone, gone, kept, kept), R.col(columns.total).segment(gone, kept));
   for (const FactorId id : touched) graph.remove_factor(id);
   graph.remove_variables(leaving);
