@@ -17,9 +17,8 @@ LandmarkEstimate landmark_estimate(const LandmarkFunctions& model, const TrackRe
   const LandmarkVector x = landmark_state(belief.y, belief.w);
   const VelocityJacobian J_velocity = model.velocity_jacobian(x);
   result.velocity = model.velocity(x);
-  result.velocity_covariance = J_velocity *
-                               belief.covariance.bottomRightCorner(x.size(), x.size()) *
-                               J_velocity.transpose();
+  result.velocity_covariance =
+      J_velocity * belief.covariance.bottomRightCorner(x.size(), x.size()) * J_velocity.transpose();
   return result;
 }
 

@@ -109,7 +109,7 @@ void Batch::add_landmark(const TrackHistory& history) {
     }
   }
   if (history.is_free()) {
-    l.w = graph_.add_variable(history.states.front().tail<3>(), nullptr, owner);
+    l.w = graph_.add_variable(history.states.front().tail(functions_.motion), nullptr, owner);
     add_chain(l);
   }
   for (const auto& [frame, pixel] : history.pixels) {
@@ -120,19 +120,18 @@ void Batch::add_landmark(const TrackHistory& history) {
 }
 
 void Batch::add_chain(BatchLandmark& l) {
-  const double sigma = functions_.prior_sigma(l.history.record.prior);
-  graph_.add_factor({*l.w}, motion_prior_cost(sigma));
+  graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigmas(l.history.record.prior)));
   l.chain = std::make_shared<Chain>(Chain{&functions_, {}});
   const int steps = l.history.pixels.back().first - l.history.first;
   for (int i = 0; i < steps; ++i) {
     const auto k = static_cast<std::size_t>(l.history.first) + static_cast<std::size_t>(i);
-    l.chain->steps.push_back({timestamps_[k + 1] - timestamps_[k], Matrix6d::Zero()});
+    l.chain->steps.push_back({timestamps_[k + 1] - timestamps_[k], {}});
   }
   const auto count = static_cast<std::ptrdiff_t>(steps) + 1;
-  const std::vector<Vector6d> x(l.history.states.begin(), l.history.states.begin() + count);
-  for (const Vector6d& n : lead_through(*l.chain, x, setup_.prior.acceleration)) {
+  const std::vector<LandmarkVector> x(l.history.states.begin(), l.history.states.begin() + count);
+  for (const LandmarkVector& n : lead_through(*l.chain, x, setup_.prior)) {
     l.noises.push_back(graph_.add_variable(n, nullptr, graph_.variables().at(l.y).owner));
-    graph_.add_factor({l.noises.back()}, noise_prior_cost());
+    graph_.add_factor({l.noises.back()}, noise_prior_cost(functions_.dim()));
   }
 }
 
@@ -154,7 +153,7 @@ void Batch::leave_out_poles() {
 double Batch::refresh_noises() {
   double change = 0.0;
   for (const BatchLandmark& l : all_) {
-    change = std::max(change, slammot::refresh_noises(graph_, l, setup_.prior.acceleration));
+    change = std::max(change, slammot::refresh_noises(graph_, l, setup_.prior));
   }
   return change;
 }
@@ -198,8 +197,8 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
 }
 
 LandmarkEstimate Batch::estimate(const BatchLandmark& l, const NormalEquations& equations) const {
-  LandmarkForm made = landmark_form(graph_, l);
-  const std::vector<LinearForm> forms{std::move(made.form)};
+  LandmarkMarginal made = landmark_marginal(graph_, l);
+  const std::vector<StateProjection> forms{std::move(made.projection)};
   made.belief.covariance = equations.covariances(forms).front();
   LandmarkEstimate estimate = landmark_estimate(functions_, l.history.record, made.belief);
   if (l.w) estimate.state_frame = l.history.record.last_frame;  // where its chain ends

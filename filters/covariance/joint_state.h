@@ -2,8 +2,8 @@
 //
 // Landmarks born in one frame share one anchor: its rows are identical for all of them for ever, so
 // they are stored once. Layout of the error state: camera 12, the scene's depth (1) when it is to
-// be learnt, the adjoint of the far part where there is one (far_part.h), then in any order an anchor (3),
-// the y of a landmark (3), the w of a free one.
+// be learnt, the adjoint of the far part where there is one (far_part.h), then in any order an
+// anchor (3), the y of a landmark (3), the w of a free one.
 #pragma once
 
 #include <map>
@@ -23,10 +23,10 @@ struct FilterAnchor {
 };
 
 struct FilterLandmark {
-  int anchor = 0;                               // key of JointState::anchors
-  int last_used = 0;                            // the frame, counted by the filter
-  Eigen::Vector3d y;                            // (theta, phi, rho)
-  MotionVector w;                               // motion, of the landmark model; empty when static
+  int anchor = 0;     // key of JointState::anchors
+  int last_used = 0;  // the frame, counted by the filter
+  Eigen::Vector3d y;  // (theta, phi, rho)
+  MotionVector w;     // motion, of the landmark model; empty when static
   StateBlock y_block;
   StateBlock w_block;  // empty when static
 

@@ -4,10 +4,10 @@
 // Prediction, as (2.5) with the displacement s = v dt + a dt^2/2:
 //   g = G + rho s,   (theta', phi') = angles of g,   rho' = rho / |g|,   v' = v + a dt,   a' = a.
 //
-// Noise: the acceleration is a Wiener process. `prior.jerk` [m/s^3] is the standard deviation of the
-// jerk taken over one step, so that the acceleration has the variance (sigma_j dt)^2 per step, as
-// velocities have with `prior.acceleration` in models of constant velocity. At first sight a has the
-// standard deviation `prior.acceleration`.
+// Noise: the acceleration is a Wiener process. `prior.jerk` [m/s^3] is the standard deviation of
+// the jerk taken over one step, so that the acceleration has the variance (sigma_j dt)^2 per step,
+// as velocities have with `prior.acceleration` in models of constant velocity. At first sight a has
+// the standard deviation `prior.acceleration`.
 #pragma once
 
 #include "models/landmarks/landmark.h"
@@ -50,7 +50,8 @@ struct ConstantAcceleration {
     return F;
   }
 
-  // The integrals of white jerk over dt: (sigma_j dt)^2 [dt^4/20 dt^3/8 dt^2/6; . dt^2/3 dt/2; . . 1].
+  // The integrals of white jerk over dt: (sigma_j dt)^2 [dt^4/20 dt^3/8 dt^2/6; . dt^2/3 dt/2; . .
+  // 1].
   static Eigen::Matrix3d jerk_pattern(double dt) {
     const double d2 = dt * dt;
     Eigen::Matrix3d pattern;

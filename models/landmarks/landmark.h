@@ -3,8 +3,8 @@
 // The state of a free (unknown or moving) landmark is x = (y, w): y = (theta, phi, rho) as in
 // inverse_depth.h, and the numbers w that say how it moves, as many as the model wants. w = 0 means
 // that it is at rest, and the first three of w are its velocity or a multiple of it.
-// A model is one file with fixed sizes and one row of landmark_models.h; estimators use the row, whose
-// sizes are known at run time and bounded, so that nothing is allocated.
+// A model is one file with fixed sizes and one row of landmark_models.h; estimators use the row,
+// whose sizes are known at run time and bounded, so that nothing is allocated.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -16,7 +16,7 @@
 
 namespace slammot {
 
-inline constexpr int kMaxMotion = 9;                // numbers of w
+inline constexpr int kMaxMotion = 9;                 // numbers of w
 inline constexpr int kMaxLandmark = 3 + kMaxMotion;  // of (y, w)
 
 template <int Rows, int Cols, int MaxRows, int MaxCols>
@@ -69,7 +69,8 @@ concept LandmarkModel = requires(const StateOf<M>& x, const Eigen::Vector3d& v, 
   { M::density_scale(x) } -> std::convertible_to<double>;
   // The prior standard deviation of each number of w, thesis (2.6).
   { M::prior_sigmas(prior) } -> std::convertible_to<Eigen::Matrix<double, M::kMotion, 1>>;
-} && M::kMotion >= 3 && M::kMotion <= kMaxMotion;
+}
+&&M::kMotion >= 3 && M::kMotion <= kMaxMotion;
 
 // d(theta, phi, rho) / d(position in W), per metre, at y: moving the point by p moves the scaled
 // ray G by rho p, and rho' = rho / |G + rho p|.
@@ -94,8 +95,8 @@ inline Matrix6d acceleration_noise_root(double sigma_a, double dt) {
   return root;
 }
 
-// G with Q = G G' for one step of a free landmark, at the predicted state. At rho = 0 the noise of a
-// bearing vanishes, so that Q is singular there; neither the filter nor the smoother inverts it.
+// G with Q = G G' for one step of a free landmark, at the predicted state. At rho = 0 the noise of
+// a bearing vanishes, so that Q is singular there; neither the filter nor the smoother inverts it.
 template <LandmarkModel M>
 JacobianOf<M> landmark_noise_root(const StateOf<M>& predicted, const LandmarkPrior& prior,
                                   double dt) {

@@ -11,7 +11,8 @@ namespace {
 
 // Static points only: a model whose landmarks never become free, so that any M serves.
 constexpr LandmarkFunctions inverse_depth() {
-  LandmarkFunctions functions = landmark_row<DynamicInverseDepth>("static points only, Civera et al. 2008");
+  LandmarkFunctions functions =
+      landmark_row<DynamicInverseDepth>("static points only, Civera et al. 2008");
   functions.name = "inverse_depth";
   functions.can_move = false;
   return functions;

@@ -34,25 +34,24 @@ struct LandmarkFunctions {
 template <LandmarkModel M>
 constexpr LandmarkFunctions landmark_row(std::string_view description) {
   using X = StateOf<M>;
-  return {
-      M::kName,
-      description,
-      true,
-      M::kMotion,
-      [](const LandmarkVector& x, double dt) -> LandmarkVector { return M::predict(X(x), dt); },
-      [](const LandmarkVector& x, double dt) -> LandmarkMatrix {
-        return M::predict_jacobian(X(x), dt);
-      },
-      [](const LandmarkVector& x, const LandmarkPrior& prior, double dt) -> LandmarkMatrix {
-        return landmark_noise_root<M>(X(x), prior, dt);
-      },
-      [](const Eigen::Vector3d& y, const Eigen::Vector3d& v) -> MotionVector {
-        return M::motion_of(y, v);
-      },
-      [](const LandmarkVector& x) { return M::density_scale(X(x)); },
-      [](const LandmarkPrior& prior) -> MotionVector { return M::prior_sigmas(prior); },
-      [](const LandmarkVector& x) -> Eigen::Vector3d { return M::velocity(X(x)); },
-      [](const LandmarkVector& x) -> VelocityJacobian { return M::velocity_jacobian(X(x)); }};
+  return {M::kName,
+          description,
+          true,
+          M::kMotion,
+          [](const LandmarkVector& x, double dt) -> LandmarkVector { return M::predict(X(x), dt); },
+          [](const LandmarkVector& x, double dt) -> LandmarkMatrix {
+            return M::predict_jacobian(X(x), dt);
+          },
+          [](const LandmarkVector& x, const LandmarkPrior& prior, double dt) -> LandmarkMatrix {
+            return landmark_noise_root<M>(X(x), prior, dt);
+          },
+          [](const Eigen::Vector3d& y, const Eigen::Vector3d& v) -> MotionVector {
+            return M::motion_of(y, v);
+          },
+          [](const LandmarkVector& x) { return M::density_scale(X(x)); },
+          [](const LandmarkPrior& prior) -> MotionVector { return M::prior_sigmas(prior); },
+          [](const LandmarkVector& x) -> Eigen::Vector3d { return M::velocity(X(x)); },
+          [](const LandmarkVector& x) -> VelocityJacobian { return M::velocity_jacobian(X(x)); }};
 }
 
 std::span<const LandmarkFunctions> landmark_table();

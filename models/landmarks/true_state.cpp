@@ -15,7 +15,7 @@ const CameraState& true_camera(const Truth& truth, int frame) {
 }
 
 std::optional<LandmarkVector> true_state(const Truth& truth, const LandmarkFunctions& functions,
-                                   int track, int frame, const Eigen::Vector3d& anchor) {
+                                         int track, int frame, const Eigen::Vector3d& anchor) {
   const auto landmark = truth.landmarks.find(track);
   if (landmark == truth.landmarks.end()) return std::nullopt;
   const TruePoint* point = landmark->second.at(frame);

@@ -24,8 +24,8 @@ void CameraWindow::add(const Frame& frame, int number, const CameraState& x) {
   added.motion = graph_.add_variable(motion, &manifold_, kShared);
   if (!truth_) return;
   camera_to_blocks(true_camera(*truth_, frame.index), position.data(), motion.data());
-  graph_.linearise_at(added.position, position);
-  graph_.linearise_at(added.motion, motion);
+  graph_.variable(added.position).linearisation_point = position;
+  graph_.variable(added.motion).linearisation_point = motion;
 }
 
 void CameraWindow::start(const Frame& frame, const InitialCamera& initial) {
@@ -57,7 +57,8 @@ CameraState CameraWindow::state(const WindowFrame& frame) const {
 }
 
 CameraState CameraWindow::linearisation_point(const WindowFrame& frame) const {
-  return camera_from_blocks(graph_.point(frame.position).data(), graph_.point(frame.motion).data());
+  return camera_from_blocks(slammot::linearisation_point(graph_, frame.position).data(),
+                            slammot::linearisation_point(graph_, frame.motion).data());
 }
 
 }  // namespace slammot

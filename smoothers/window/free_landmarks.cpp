@@ -12,33 +12,34 @@ WindowPixel FreeLandmarks::measure(const WindowLandmark& l, const MeasuredPixel&
 }
 
 void FreeLandmarks::start(WindowLandmark& l, const LandmarkPrior& prior) {
-  l.w = graph_.add_variable(Eigen::Vector3d::Zero(), nullptr, l.track);
-  l.w_prior = graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigma(prior)));
+  l.w = graph_.add_variable(Eigen::VectorXd::Zero(functions_.motion), nullptr, l.track);
+  l.w_prior = graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigmas(prior)));
   l.chain = std::make_shared<Chain>(Chain{&functions_, {}});
   truth_.apply(l);
 }
 
 void FreeLandmarks::extend(WindowLandmark& l, double dt) {
-  const Vector6d predicted = functions_.predict(chain_states(graph_, l).back(), dt);
-  l.chain->steps.push_back({dt, functions_.noise_root(predicted, setup_.prior.acceleration, dt)});
-  const VariableId noise = graph_.add_variable(Vector6d::Zero(), nullptr, l.track);
+  const LandmarkVector predicted = functions_.predict(chain_states(graph_, l).back(), dt);
+  l.chain->steps.push_back({dt, functions_.noise_root(predicted, setup_.prior, dt)});
+  const VariableId noise =
+      graph_.add_variable(Eigen::VectorXd::Zero(functions_.dim()), nullptr, l.track);
   l.noises.push_back(noise);
-  l.noise_priors.push_back(graph_.add_factor({noise}, noise_prior_cost()));
+  l.noise_priors.push_back(graph_.add_factor({noise}, noise_prior_cost(functions_.dim())));
   truth_.apply(l);
 }
 
 double FreeLandmarks::refresh_noises(WindowLandmark& l) {
   if (truth_) return 0.0;  // they are those of the true states
-  return slammot::refresh_noises(graph_, l, setup_.prior.acceleration);
+  return slammot::refresh_noises(graph_, l, setup_.prior);
 }
 
 // The substitution that takes the base, now at `from`, over one step.
-Advance FreeLandmarks::advance(const WindowLandmark& l, const Vector6d& from,
+Advance FreeLandmarks::advance(const WindowLandmark& l, const LandmarkVector& from,
                                std::size_t step) const {
   const ChainStep& s = l.chain->steps[step];
   const VariableId noise = l.noises[step];
   Advance a{l.y, *l.w, noise, {}, s.G, {}};
-  const Vector6d at = truth_ ? truth_.states(l)[step] : from;
+  const LandmarkVector at = truth_ ? truth_.states(l)[step] : from;
   a.F_inverse = functions_.predict_jacobian(at, s.dt).inverse();
   a.next = functions_.predict(from, s.dt) + s.G * graph_.value(noise);
   return a;
@@ -90,7 +91,8 @@ void FreeLandmarks::condition(WindowLandmark& l) {
   for (const FactorId prior : l.noise_priors) graph_.remove_factor(prior);
   for (const VariableId noise : l.noises) graph_.remove_variables({noise});
   graph_.remove_factor(l.w_prior);
-  graph_.fix_at_zero(*l.w);
+  graph_.prior().condition_on_zero(*l.w);
+  graph_.remove_variables({*l.w});
   for (WindowPixel& z : l.pixels) {
     if (z.depth == 0) continue;
     z.depth = 0;
@@ -102,8 +104,7 @@ void FreeLandmarks::condition(WindowLandmark& l) {
 void FreeLandmarks::drop(WindowLandmark& l) {
   std::set<VariableId> leaving{*l.w};
   std::vector<Advance> advances;
-  Vector6d x;
-  x << graph_.value(l.y), graph_.value(*l.w);
+  LandmarkVector x = chain_states(graph_, l).front();
   for (std::size_t i = 0; i < l.noises.size(); ++i) {
     advances.push_back(advance(l, x, i));
     x = advances.back().next;

@@ -44,7 +44,8 @@ class FreeLandmarks {
   void drop(WindowLandmark& landmark);
 
  private:
-  Advance advance(const WindowLandmark& landmark, const Vector6d& from, std::size_t step) const;
+  Advance advance(const WindowLandmark& landmark, const LandmarkVector& from,
+                  std::size_t step) const;
   void forget_chain(WindowLandmark& landmark);
 
   const Setup& setup_;

@@ -12,28 +12,25 @@ void TrackHistories::measured(int track, int frame, const Eigen::Vector2d& pixel
   open_.at(track).pixels.emplace_back(frame, pixel);
 }
 
-void TrackHistories::passed(int track, std::span<const Vector6d> states) {
-  std::vector<Vector6d>& all = open_.at(track).states;
+void TrackHistories::passed(int track, std::span<const LandmarkVector> states) {
+  std::vector<LandmarkVector>& all = open_.at(track).states;
   all.insert(all.end(), states.begin(), states.end());
 }
 
-void TrackHistories::rested_until(int track, int frame, const Eigen::Vector3d& y) {
+void TrackHistories::rested_until(int track, int frame, const LandmarkVector& state) {
   TrackHistory& history = open_.at(track);
   const auto count = static_cast<std::size_t>(frame - history.first);
-  if (history.states.size() >= count) return;
-  Vector6d at_rest = Vector6d::Zero();
-  at_rest.head<3>() = y;
-  history.states.resize(count, at_rest);
+  if (history.states.size() < count) history.states.resize(count, state);
 }
 
 void TrackHistories::end(const TrackRecord& record, int frame, bool is_free,
-                         std::span<const Vector6d> states) {
+                         std::span<const LandmarkVector> states) {
   const int track = record.track;
   open_.at(track).record = record;
   if (!open_.at(track).is_free()) {
     open_.at(track).states.clear();
   } else if (!is_free) {
-    rested_until(track, frame, states.back().head<3>());
+    rested_until(track, frame, states.back());
   }
   passed(track, states);
   ended_.push_back(std::move(open_.at(track)));

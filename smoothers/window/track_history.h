@@ -16,7 +16,8 @@ struct TrackHistory {
   int first = 0;  // frame
   bool known = false;
   std::vector<std::pair<int, Eigen::Vector2d>> pixels;  // by frame, the first one included
-  std::vector<Vector6d> states;  // (y, w) by frame from the first; of a static landmark its last
+  std::vector<LandmarkVector>
+      states;  // (y, w) by frame from the first; of a static landmark its last
   TrackRecord record;
 
   // A batch knows no change of mind: what was ever taken for moving is free all the time.
@@ -28,11 +29,12 @@ class TrackHistories {
   void begin(int track, int frame, bool known);
   void measured(int track, int frame, const Eigen::Vector2d& pixel);
   // The next states of a free landmark, as they leave the window or it becomes static.
-  void passed(int track, std::span<const Vector6d> states);
-  // It was static at y up to the frame before `frame`.
-  void rested_until(int track, int frame, const Eigen::Vector3d& y);
+  void passed(int track, std::span<const LandmarkVector> states);
+  // It was static up to the frame before `frame`, in this state (y, 0).
+  void rested_until(int track, int frame, const LandmarkVector& state);
   // The states still in the window, the newest last (of a static landmark only that), end it.
-  void end(const TrackRecord& record, int frame, bool is_free, std::span<const Vector6d> states);
+  void end(const TrackRecord& record, int frame, bool is_free,
+           std::span<const LandmarkVector> states);
 
   const std::vector<TrackHistory>& ended() const { return ended_; }
 

@@ -13,10 +13,10 @@ class TruthLinearisation {
  public:
   // Without a truth it does nothing.
   TruthLinearisation(std::shared_ptr<const Truth> truth, const LandmarkFunctions& functions,
-                     double sigma_a, Graph& graph, const CameraWindow& cameras)
+                     const LandmarkPrior& prior, Graph& graph, const CameraWindow& cameras)
       : truth_(std::move(truth)),
         functions_(functions),
-        sigma_a_(sigma_a),
+        prior_(prior),
         graph_(graph),
         cameras_(cameras) {}
 
@@ -27,7 +27,7 @@ class TruthLinearisation {
 
   // The true states of its chain, base to newest. Where the truth has no row, predicted from the
   // point before; a landmark labelled static stays where it was then.
-  std::vector<Vector6d> states(const WindowLandmark& landmark) const;
+  std::vector<LandmarkVector> states(const WindowLandmark& landmark) const;
 
   // The newest measurement's h and Jacobians there; nothing where it is not in view.
   std::optional<ObservedPixel> observe(const Camera& camera, const WindowLandmark& landmark) const;
@@ -35,7 +35,7 @@ class TruthLinearisation {
  private:
   std::shared_ptr<const Truth> truth_;
   const LandmarkFunctions& functions_;
-  double sigma_a_;
+  LandmarkPrior prior_;
   Graph& graph_;
   const CameraWindow& cameras_;
 };

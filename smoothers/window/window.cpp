@@ -35,7 +35,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       loss_(make_loss(options.loss)),
       graph_(first_estimates(options.linearisation)),
       cameras_(graph_, truth_of(setup, options)),
-      truth_(truth_of(setup, options), functions_, setup.prior.acceleration, graph_, cameras_),
+      truth_(truth_of(setup, options), functions_, setup.prior, graph_, cameras_),
       free_landmarks_(setup_, functions_, loss_.get(), truth_, graph_),
       scene_(add_scene(graph_, setup.prior)),
       histories_(histories) {}
@@ -66,7 +66,7 @@ void Window::add_known(const KnownLandmark& known) {
 void Window::innovations(std::span<const Observation> measured,
                          std::vector<PixelInnovation>& result) {
   result.clear();
-  std::vector<LinearForm> H;
+  std::vector<StateProjection> H;
   const WindowFrame& newest = cameras_.newest();
   const CameraState x = cameras_.state(newest);
   for (const Observation& z : measured) {
@@ -76,7 +76,7 @@ void Window::innovations(std::span<const Observation> measured,
                           landmark.x.head<3>());
     if (!h) continue;
     result.push_back({z, z.pixel - h->pixel, Eigen::Matrix2d::Zero()});
-    LinearForm& form = H.emplace_back();
+    StateProjection& form = H.emplace_back();
     form.variables = {newest.position, newest.motion, l.anchor};
     for (const VariableId id : state_variables(l)) form.variables.push_back(id);
     form.J.setZero(2, 15 + landmark.J.cols());
@@ -124,7 +124,7 @@ double Window::refresh_noises() {
 void Window::leave_one_out(std::vector<LeaveOneOut>& result) {
   result.clear();
   std::vector<Eigen::Vector2d> residuals;
-  std::vector<LinearForm> forms;
+  std::vector<StateProjection> forms;
   for (const Used& used : used_) {
     const Factor& factor = graph_.factors().at(used.factor);
     if (landmarks_.at(used.track).w || !factor.valid) continue;
@@ -141,7 +141,7 @@ void Window::leave_one_out(std::vector<LeaveOneOut>& result) {
 
 void Window::inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) {
   result.clear();
-  std::vector<LinearForm> forms;
+  std::vector<StateProjection> forms;
   for (const int track : tracks) {
     const WindowLandmark& l = landmarks_.at(track);
     result.push_back({graph_.value(l.y)(2), 0.0});
@@ -153,15 +153,15 @@ void Window::inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>&
 
 void Window::motions(std::span<const int> tracks, std::vector<MotionBelief>& result) {
   result.clear();
-  std::vector<LinearForm> forms;
+  std::vector<StateProjection> forms;
   for (const int track : tracks) {
     const WindowLandmark& l = landmarks_.at(track);
     const ChainState state = newest_state(graph_, l);
     MotionBelief& motion = result.emplace_back();
     motion.track = track;
-    motion.w = state.x.tail<3>();
+    motion.w = state.x.tail(functions_.motion);
     motion.density_scale = functions_.density_scale(state.x);
-    forms.push_back({state_variables(l), state.J.bottomRows<3>()});
+    forms.push_back({state_variables(l), state.J.bottomRows(functions_.motion)});
   }
   const std::vector<Eigen::MatrixXd> P_w = optimum_->equations.covariances(forms);
   for (std::size_t i = 0; i < result.size(); ++i) result[i].covariance = P_w[i];
@@ -173,7 +173,7 @@ void Window::collapse(std::span<const int> tracks) {
   for (const int track : tracks) {
     WindowLandmark& landmark = landmarks_.at(track);
     if (histories_) {
-      std::vector<Vector6d> states = chain_states(graph_, landmark);
+      std::vector<LandmarkVector> states = chain_states(graph_, landmark);
       states.pop_back();
       histories_->passed(track, states);
     }
@@ -182,18 +182,18 @@ void Window::collapse(std::span<const int> tracks) {
     truth_.apply(landmark);
   }
   if (!condition_) return;
-  graph_.rebase_prior();
+  graph_.prior().relinearise();
   NormalEquations equations(graph_);
   Step step = equations.step();
   optimum_.emplace(std::move(equations), std::move(step));
-  graph_.move(optimum_->last_step);
+  graph_.retract(optimum_->last_step);
   estimate_camera();
 }
 
 // y stays what it is, at the newest frame, where a chain begins.
 void Window::free(int track, const LandmarkPrior& prior) {
   WindowLandmark& l = landmarks_.at(track);
-  if (histories_) histories_->rested_until(track, cameras_.newest().number, graph_.value(l.y));
+  if (histories_) histories_->rested_until(track, cameras_.newest().number, at_rest(l));
   l.base = cameras_.newest().position;
   free_landmarks_.start(l, prior);
 }
@@ -203,7 +203,7 @@ void Window::remove(std::span<const int> tracks, const TrackRecords& records) {
   for (const int track : tracks) {
     WindowLandmark& landmark = landmarks_.at(track);
     if (histories_) end_history(landmark, records.at(track));
-    if (graph_.far().contains(landmark.y)) {
+    if (graph_.prior().inactive.contains(landmark.y)) {
       graph_.remove_variables({landmark.y});
     } else {
       if (landmark.w) {
@@ -248,18 +248,15 @@ WindowLandmark& Window::insert(int track) {
 }
 
 int Window::state_size() const {
-  int size = graph_.far().dim();
+  int size = graph_.prior().inactive.dim();
   for (const auto& [id, v] : graph_.variables()) size += v.dim();
   return size;
 }
 
 void Window::points(std::vector<LandmarkPoint>& result) {
   result.clear();
-  const Graph::Values far = graph_.far_values();
-  const auto value = [&](VariableId id) {
-    const auto it = far.find(id);
-    return Eigen::Vector3d(it == far.end() ? graph_.value(id) : it->second);
-  };
+  const std::map<VariableId, SmallVector> all = values(graph_);
+  const auto value = [&](VariableId id) { return Eigen::Vector3d(all.at(id)); };
   for (const auto& [track, l] : landmarks_) {
     const Eigen::Vector3d y =
         l.w ? Eigen::Vector3d(chain_states(graph_, l).back().head<3>()) : value(l.y);
@@ -268,17 +265,17 @@ void Window::points(std::vector<LandmarkPoint>& result) {
 }
 
 std::vector<LandmarkBelief> Window::landmarks(std::span<const int> tracks) const {
-  std::vector<LinearForm> forms;
+  std::vector<StateProjection> forms;
   std::vector<LandmarkBelief> beliefs;
-  std::vector<Eigen::MatrixXd> far;
+  std::vector<Eigen::MatrixXd> inactive;
   for (const int track : tracks) {
-    LandmarkForm made = landmark_form(graph_, landmarks_.at(track));
+    LandmarkMarginal made = landmark_marginal(graph_, landmarks_.at(track));
     beliefs.push_back(std::move(made.belief));
-    LinearForm& form = forms.emplace_back(std::move(made.form));
-    far.push_back(replace_far(graph_, form));
+    StateProjection& form = forms.emplace_back(std::move(made.projection));
+    inactive.push_back(substitute_inactive(graph_, form));
   }
   const std::vector<Eigen::MatrixXd> P = NormalEquations(graph_).covariances(forms);
-  for (std::size_t i = 0; i < beliefs.size(); ++i) beliefs[i].covariance = P[i] + far[i];
+  for (std::size_t i = 0; i < beliefs.size(); ++i) beliefs[i].covariance = P[i] + inactive[i];
   return beliefs;
 }
 

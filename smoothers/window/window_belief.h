@@ -62,6 +62,7 @@ class Window final : public Belief {
   double refresh_noises();
   void estimate_camera();
   Eigen::MatrixXd before_last_step(const Factor& factor) const;
+  LandmarkVector at_rest(const WindowLandmark& landmark) const;  // (y, 0) of a static one
   void end_history(const WindowLandmark& landmark, const TrackRecord& record) const;
 
   Setup setup_;

@@ -10,7 +10,7 @@ void Window::estimate_camera() {
   const WindowFrame& newest = cameras_.newest();
   const std::vector<std::vector<VariableId>> camera{{newest.position, newest.motion}};
   Matrix12d P = optimum_->equations.covariances(camera).front();
-  if (!graph_.first_estimates()) {
+  if (!graph_.prior().first_estimates()) {
     const Eigen::Vector3d turn = optimum_->last_step.at(newest.motion).head<3>();
     const Eigen::Matrix3d J = right_jacobian_so3(turn);
     P.middleRows<3>(kRotation) = (J * P.middleRows<3>(kRotation)).eval();
@@ -22,7 +22,7 @@ void Window::estimate_camera() {
 // J of a pixel's factor in the coordinates that the last step was taken in.
 Eigen::MatrixXd Window::before_last_step(const Factor& factor) const {
   Eigen::MatrixXd J = factor.J;
-  if (graph_.first_estimates()) return J;
+  if (graph_.prior().first_estimates()) return J;
   for (std::size_t i = 0; i < factor.variables.size(); ++i) {
     if (!factor.at[i]->manifold) continue;
     const Eigen::Vector3d turn = optimum_->last_step.at(factor.variables[i]).head<3>();
@@ -64,9 +64,13 @@ void Window::end_histories(const TrackRecords& records) const {
   for (const auto& [track, landmark] : landmarks_) end_history(landmark, records.at(track));
 }
 
+LandmarkVector Window::at_rest(const WindowLandmark& l) const {
+  return landmark_state(graph_.value(l.y), MotionVector::Zero(functions_.motion));
+}
+
 void Window::end_history(const WindowLandmark& l, const TrackRecord& record) const {
-  const std::vector<Vector6d> states =
-      l.w ? chain_states(graph_, l) : std::vector<Vector6d>{newest_state(graph_, l).x};
+  const std::vector<LandmarkVector> states =
+      l.w ? chain_states(graph_, l) : std::vector<LandmarkVector>{at_rest(l)};
   histories_->end(record, cameras_.newest().number, l.w.has_value(), states);
 }
 

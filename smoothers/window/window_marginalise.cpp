@@ -38,7 +38,7 @@ std::set<VariableId> Window::find_inactive(const WindowFrame& oldest,
   std::set<VariableId> deactivated, anchors_active, anchors_inactive;
   for (const auto& [track, l] : landmarks_) {
     const bool active = l.w || l.last_used > oldest.index;
-    if (!active && !graph_.far().contains(l.y)) deactivated.insert(l.y);
+    if (!active && !graph_.prior().inactive.contains(l.y)) deactivated.insert(l.y);
     (active ? anchors_active : anchors_inactive).insert(l.anchor);
   }
   for (const WindowLandmark& l : pruned_) {
@@ -58,13 +58,13 @@ void Window::release_anchors(const std::set<VariableId>& active,
     if (active.contains(anchor)) continue;
     if (!inactive.contains(anchor)) {
       unused.insert(anchor);
-    } else if (!graph_.far().contains(anchor)) {
+    } else if (!graph_.prior().inactive.contains(anchor)) {
       deactivated.insert(anchor);
     }
   }
   for (const VariableId anchor : unused) {
     left_anchors_.erase(anchor);
-    if (graph_.far().contains(anchor)) {
+    if (graph_.prior().inactive.contains(anchor)) {
       graph_.remove_variables({anchor});
     } else {
       leaving.insert(anchor);
@@ -78,10 +78,10 @@ void Window::reactivate_measured(const Frame& frame) {
     const auto it = landmarks_.find(z.track);
     if (it == landmarks_.end()) continue;
     for (const VariableId id : {it->second.y, it->second.anchor}) {
-      if (graph_.far().contains(id)) back.insert(id);
+      if (graph_.prior().inactive.contains(id)) back.insert(id);
     }
   }
-  graph_.bring_back({back.begin(), back.end()});
+  graph_.reactivate({back.begin(), back.end()});
 }
 
 }  // namespace slammot
