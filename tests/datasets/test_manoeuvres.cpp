@@ -168,6 +168,32 @@ TEST(Manoeuvres, WhoStopsDoesNotManoeuvre) {
             numbers_of(simulate("move_stop_move", both, 1)));
 }
 
+// Lines just too far to be seen, from which movers sway into view: each frame that sees them
+// counts.
+TEST(Manoeuvres, WhoSwaysIntoViewIsRecorded) {
+  RecordingOptions options;
+  options.frames = 60;
+  options.field_of_view_deg = 10.0;
+  const std::vector<CameraState> trajectory(60);
+  RandomStream random(1, "lines");
+  std::vector<ScenePoint> points;
+  int expected = 0;
+  for (int track = 0; track < 50; ++track) {
+    ScenePoint& point = points.emplace_back(ScenePoint{track, {-2.0, 0.0, 12.5}, {1.0, 0.0, 0.0}});
+    point.manoeuvre = draw_manoeuvre({1.0, 2.0, 0.5, 4.0}, point.velocity, random);
+    for (int i = 0; i < options.frames; ++i) {
+      const Eigen::Vector3d position = point.at(options.time(i));
+      expected += view(simulated_camera(options), options, trajectory[0], position).has_value();
+    }
+  }
+  int recorded = 0;
+  for (const Frame& frame : record(options, trajectory, points, 1).frames) {
+    recorded += static_cast<int>(frame.observations.size());
+  }
+  EXPECT_GT(expected, 100);
+  EXPECT_EQ(recorded, expected);
+}
+
 // Mean squares of differences of the truth on the horizontal axes. They smooth a sinusoid with
 // w h = 0.1 by less than 0.2%; movers seen for longer weigh more and are not independent.
 MoverSigmas differentiated(const ScenarioOverrides& overrides, double rate) {
@@ -203,21 +229,51 @@ TEST(MoverSigmas, RmsIsThatOfTheTruthDifferentiated) {
   }
 }
 
-TEST(MoverSigmas, TheAccelerationStatedCoversTheManoeuvres) {
-  for (const double share : {0.5, 1.0}) {
-    for (const double period : {2.5, 4.0}) {
-      VolumeOptions options;
-      options.manoeuvres.share = share;
-      options.manoeuvres.period = period;
-      const Sequence s = simulate(
-          "circle",
-          {{"manoeuvring", std::to_string(share)}, {"manoeuvre_period", std::to_string(period)}},
-          1);
-      const double computed = white_noise_of_movers(options, 1.0 / 15.0).acceleration;
-      EXPECT_NEAR(s.prior->acceleration / computed, 1.0, 0.1) << share << " " << period;
-      EXPECT_GT(s.prior->acceleration, 2.0 * rms_of_movers(options).acceleration);
+// Over many movers, on each horizontal axis: the largest over all horizons of n steps of
+// RMS(x(t + n dt) - x(t)) / (dt sqrt(n)), for the velocity and for the acceleration.
+MoverSigmas strays(const ManoeuvreOptions& options, double dt) {
+  constexpr int kHorizons = 150, kMovers = 4000;
+  std::vector<Eigen::Array2d> squares(kHorizons + 1, Eigen::Array2d::Zero());
+  RandomStream random(1, "strays");
+  for (int i = 0; i < kMovers; ++i) {
+    const double azimuth = random.uniform(-std::numbers::pi, std::numbers::pi);
+    const Eigen::Vector3d course(std::sin(azimuth), 0.0, std::cos(azimuth));
+    const auto m = draw_manoeuvre(options, course, random);
+    for (int n = 1; m && n <= kHorizons; ++n) {
+      const double v = (m->velocity(n * dt) - m->velocity(0.0)).squaredNorm();
+      const double a = (m->acceleration(n * dt) - m->acceleration(0.0)).squaredNorm();
+      squares[static_cast<size_t>(n)] += Eigen::Array2d(v, a) / (2.0 * kMovers * n * dt * dt);
     }
   }
+  Eigen::Array2d largest = Eigen::Array2d::Zero();
+  for (const Eigen::Array2d& square : squares) largest = largest.max(square.sqrt());
+  return {largest(0), largest(1)};
+}
+
+TEST(MoverSigmas, WhiteNoiseCoversHowFarVelocityAndAccelerationStray) {
+  for (const double period : {2.5, 4.0}) {
+    VolumeOptions options;
+    options.max_climb_deg = 0.0;
+    options.manoeuvres = {0.5, 2.0, 1.0, period};
+    const MoverSigmas truth = strays(options.manoeuvres, 1.0 / 15.0);
+    const MoverSigmas computed = white_noise_of_movers(options, 1.0 / 15.0);
+    EXPECT_NEAR(truth.acceleration / computed.acceleration, 1.0, 0.05) << period;
+    EXPECT_NEAR(truth.jerk / computed.jerk, 1.0, 0.05) << period;
+  }
+}
+
+TEST(Manoeuvres, TheAccelerationStatedIsTheRmsOfTheTrueOneWhereNobodyStops) {
+  VolumeOptions options;
+  for (const double share : {0.5, 1.0}) {
+    options.manoeuvres.share = share;
+    const Sequence s = simulate("circle", {{"manoeuvring", std::to_string(share)}}, 1);
+    EXPECT_EQ(s.prior->acceleration, rms_of_movers(options).acceleration);
+  }
+  EXPECT_NEAR(simulate("manoeuvres", {}, 1).prior->acceleration, 0.557, 0.002);
+  const ScenarioOverrides hardly{{"lateral_acceleration", "0.01"}, {"braking", "0"}};
+  EXPECT_EQ(simulate("manoeuvres", hardly, 1).prior->acceleration, kLeastObjectAcceleration);
+  const double stops = simulate("move_stop_move", {}, 1).prior->acceleration;
+  EXPECT_GE(simulate("move_stop_move", {{"manoeuvring", "1"}}, 1).prior->acceleration, stops);
 }
 
 std::string reason(const ScenarioOverrides& overrides) {

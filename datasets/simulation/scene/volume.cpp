@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "datasets/simulation/scene/mover_sigmas.h"
 #include "datasets/simulation/scene/random_stream.h"
 
 namespace slammot {
@@ -131,8 +132,13 @@ LandmarkPrior population_prior(SceneOptions options, const Eigen::Vector3d& cent
   recording.frames = std::min(recording.frames, kFrames);
   volume.moving_points = static_cast<int>(volume.moving_points * usual) * kTimes;
   volume.static_points *= kTimes;
-  return prior_of(record(recording, trajectory,
-                         draw_points(options, centre, trajectory.front(), kSeed), kSeed));
+  LandmarkPrior prior = prior_of(record(
+      recording, trajectory, draw_points(options, centre, trajectory.front(), kSeed), kSeed));
+  const bool stops = volume.stops.stopping_fraction + volume.stops.parked_fraction > 0.0;
+  if (volume.manoeuvres.share > 0.0 && !stops) {
+    prior.acceleration = std::max(rms_of_movers(volume).acceleration, kLeastObjectAcceleration);
+  }
+  return prior;
 }
 
 void check(const VolumeOptions& options) {

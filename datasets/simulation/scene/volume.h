@@ -37,6 +37,8 @@ Parameters parameters(SceneOptions& options);
 
 // Places the points around `centre`, records them from the trajectory, and states what is true. The
 // prior stated is that of the population from which the points are drawn, the same for every seed.
+// Where points stop, the acceleration stated covers the stops; where they only manoeuvre, it is the
+// RMS of the true one (mover_sigmas.h says why not more).
 // Throws std::invalid_argument for more manoeuvring points than there are, and for braking so hard
 // that the slowest would stop.
 Sequence simulate_in_volume(const SceneOptions& options, const Eigen::Vector3d& centre,
