@@ -1,12 +1,12 @@
-// Movers that turn and brake: their motion, what is stated of it, and the scenario `manoeuvres`.
+// Movers that turn and brake: their motion, and what the scenario `manoeuvres` promises.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "datasets/simulation/scenario.h"
 #include "datasets/simulation/scene/mover_sigmas.h"
+#include "tests/datasets/fixture.h"
 
 namespace slammot {
 namespace {
@@ -54,20 +54,6 @@ TEST(Manoeuvre, StaysWithinItsBoundsAndComesNearThem) {
   EXPECT_GT(slowing, 0.8 * largest_slowing({1.0, 2.0, 1.0, 4.0}));
 }
 
-using OfFrames = std::function<void(const TruePoint&, const TruePoint&, const TruePoint&)>;
-
-// Of all movers, three consecutive frames at a time.
-void for_each_triple(const Sequence& s, const OfFrames& visit) {
-  for (const auto& [track, landmark] : s.landmarks) {
-    if (landmark.label == Label::kStatic) continue;
-    for (const auto& [frame, before] : landmark.by_frame) {
-      const TruePoint* now = landmark.at(frame + 1);
-      const TruePoint* after = landmark.at(frame + 2);
-      if (now != nullptr && after != nullptr) visit(before, *now, *after);
-    }
-  }
-}
-
 struct SimpsonError {
   double largest = 0.0, rms = 0.0;
 };
@@ -79,15 +65,15 @@ SimpsonError simpson_error(const char* scenario, double rate) {
   overrides["frames"] = std::to_string(static_cast<int>(10.0 * rate));
   double largest = 0.0, squares = 0.0;
   int count = 0;
-  for_each_triple(simulate(scenario, overrides, 1),
-                  [&](const TruePoint& a, const TruePoint& b, const TruePoint& c) {
-                    const Eigen::Vector3d sum = a.velocity + 4.0 * b.velocity + c.velocity;
-                    const Eigen::Vector3d moved = c.position - a.position;
-                    const double error = (moved - sum / (3.0 * rate)).norm();
-                    largest = std::max(largest, error);
-                    squares += error * error;
-                    ++count;
-                  });
+  test::for_each_triple(simulate(scenario, overrides, 1),
+                        [&](const TruePoint& a, const TruePoint& b, const TruePoint& c) {
+                          const Eigen::Vector3d sum = a.velocity + 4.0 * b.velocity + c.velocity;
+                          const Eigen::Vector3d moved = c.position - a.position;
+                          const double error = (moved - sum / (3.0 * rate)).norm();
+                          largest = std::max(largest, error);
+                          squares += error * error;
+                          ++count;
+                        });
   EXPECT_GT(count, 1000);
   return {largest, std::sqrt(squares / count)};
 }
@@ -106,12 +92,12 @@ TEST(Manoeuvres, PositionsIntegrateVelocitiesToTheFifthOrderOfTheStep) {
 TEST(Manoeuvres, MoversNeitherStandNorExceedTheirAccelerations) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     double largest = 0.0, slowest = 1e9;
-    for_each_triple(simulate("circle", kEverybody, seed),
-                    [&](const TruePoint& a, const TruePoint& b, const TruePoint& c) {
-                      const Eigen::Vector3d v = c.velocity - a.velocity;
-                      largest = std::max(largest, (v / (2.0 / 15.0)).norm());
-                      slowest = std::min(slowest, b.velocity.norm());
-                    });
+    test::for_each_triple(simulate("circle", kEverybody, seed),
+                          [&](const TruePoint& a, const TruePoint& b, const TruePoint& c) {
+                            const Eigen::Vector3d v = c.velocity - a.velocity;
+                            largest = std::max(largest, (v / (2.0 / 15.0)).norm());
+                            slowest = std::min(slowest, b.velocity.norm());
+                          });
     EXPECT_LE(largest, std::hypot(2.0, 1.0));  // a mean of accelerations is no larger
     EXPECT_GT(largest, 1.5);
     EXPECT_GE(slowest, 1.0 - largest_slowing({1.0, 2.0, 1.0, 4.0}));
@@ -192,74 +178,6 @@ TEST(Manoeuvres, WhoSwaysIntoViewIsRecorded) {
   }
   EXPECT_GT(expected, 100);
   EXPECT_EQ(recorded, expected);
-}
-
-// Mean squares of differences of the truth on the horizontal axes. They smooth a sinusoid with
-// w h = 0.1 by less than 0.2%; movers seen for longer weigh more and are not independent.
-MoverSigmas differentiated(const ScenarioOverrides& overrides, double rate) {
-  Eigen::Array2d squares = Eigen::Array2d::Zero();
-  double count = 0.0;
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    for_each_triple(simulate("circle", overrides, seed), [&](const TruePoint& a, const TruePoint& b,
-                                                             const TruePoint& c) {
-      const Eigen::Vector3d v = (c.velocity - a.velocity) * rate / 2.0;
-      const Eigen::Vector3d j = (c.velocity - 2.0 * b.velocity + a.velocity) * rate * rate;
-      squares += Eigen::Array2d(v.x() * v.x() + v.z() * v.z(), j.x() * j.x() + j.z() * j.z());
-      count += 2.0;
-    });
-  }
-  return {std::sqrt(squares(0) / count), std::sqrt(squares(1) / count)};
-}
-
-TEST(MoverSigmas, RmsIsThatOfTheTruthDifferentiated) {
-  VolumeOptions options;
-  EXPECT_EQ(rms_of_movers(options).acceleration, 0.0);
-  EXPECT_EQ(rms_of_movers(options).jerk, 0.0);
-  for (const auto& [lateral, braking] : {std::pair{2.0, 1.0}, {3.0, 0.0}, {0.0, 1.2}}) {
-    options.manoeuvres = {0.7, lateral, braking, 4.0};
-    const MoverSigmas truth = differentiated({{"manoeuvring", "0.7"},
-                                              {"static", "0"},
-                                              {"known", "0"},
-                                              {"lateral_acceleration", std::to_string(lateral)},
-                                              {"braking", std::to_string(braking)}},
-                                             15.0);
-    const MoverSigmas computed = rms_of_movers(options);
-    EXPECT_NEAR(truth.acceleration / computed.acceleration, 1.0, 0.05);
-    EXPECT_NEAR(truth.jerk / computed.jerk, 1.0, 0.05);
-  }
-}
-
-// Over many movers, on each horizontal axis: the largest over all horizons of n steps of
-// RMS(x(t + n dt) - x(t)) / (dt sqrt(n)), for the velocity and for the acceleration.
-MoverSigmas strays(const ManoeuvreOptions& options, double dt) {
-  constexpr int kHorizons = 150, kMovers = 4000;
-  std::vector<Eigen::Array2d> squares(kHorizons + 1, Eigen::Array2d::Zero());
-  RandomStream random(1, "strays");
-  for (int i = 0; i < kMovers; ++i) {
-    const double azimuth = random.uniform(-std::numbers::pi, std::numbers::pi);
-    const Eigen::Vector3d course(std::sin(azimuth), 0.0, std::cos(azimuth));
-    const auto m = draw_manoeuvre(options, course, random);
-    for (int n = 1; m && n <= kHorizons; ++n) {
-      const double v = (m->velocity(n * dt) - m->velocity(0.0)).squaredNorm();
-      const double a = (m->acceleration(n * dt) - m->acceleration(0.0)).squaredNorm();
-      squares[static_cast<size_t>(n)] += Eigen::Array2d(v, a) / (2.0 * kMovers * n * dt * dt);
-    }
-  }
-  Eigen::Array2d largest = Eigen::Array2d::Zero();
-  for (const Eigen::Array2d& square : squares) largest = largest.max(square.sqrt());
-  return {largest(0), largest(1)};
-}
-
-TEST(MoverSigmas, WhiteNoiseCoversHowFarVelocityAndAccelerationStray) {
-  for (const double period : {2.5, 4.0}) {
-    VolumeOptions options;
-    options.max_climb_deg = 0.0;
-    options.manoeuvres = {0.5, 2.0, 1.0, period};
-    const MoverSigmas truth = strays(options.manoeuvres, 1.0 / 15.0);
-    const MoverSigmas computed = white_noise_of_movers(options, 1.0 / 15.0);
-    EXPECT_NEAR(truth.acceleration / computed.acceleration, 1.0, 0.05) << period;
-    EXPECT_NEAR(truth.jerk / computed.jerk, 1.0, 0.05) << period;
-  }
 }
 
 TEST(Manoeuvres, TheAccelerationStatedIsTheRmsOfTheTrueOneWhereNobodyStops) {
