@@ -16,6 +16,8 @@ namespace slammot {
 
 struct ConstantAcceleration {
   static constexpr std::string_view kName = "constant_acceleration";
+  static constexpr std::string_view kDescription =
+      "inverse depth, velocity and acceleration in metres";
   static constexpr int kMotion = 6;
 
   template <typename T>

@@ -10,6 +10,8 @@ namespace slammot {
 
 struct DynamicInverseDepth {
   static constexpr std::string_view kName = "dynamic_inverse_depth";
+  static constexpr std::string_view kDescription =
+      "the thesis: inverse depth and velocity in metres (2.3)";
   static constexpr int kMotion = 3;
 
   template <typename T>

@@ -3,7 +3,7 @@
 // The state of a free (unknown or moving) landmark is x = (y, w): y = (theta, phi, rho) as in
 // inverse_depth.h, and the numbers w that say how it moves, as many as the model wants. w = 0 means
 // that it is at rest, and the first three of w are its velocity or a multiple of it.
-// A model is one file with fixed sizes and one row of landmark_models.h; estimators use the row,
+// A model is one file with fixed sizes and one entry of all_models.h; estimators use its row,
 // whose sizes are known at run time and bounded, so that nothing is allocated.
 #pragma once
 
@@ -52,6 +52,7 @@ template <typename M>
 concept LandmarkModel = requires(const StateOf<M>& x, const Eigen::Vector3d& v, double dt,
                                  const LandmarkPrior& prior) {
   { M::kName } -> std::convertible_to<std::string_view>;
+  { M::kDescription } -> std::convertible_to<std::string_view>;
   { M::kMotion } -> std::convertible_to<int>;  // numbers of w, 3 to kMaxMotion
   // x after dt without noise, thesis (2.5), and its Jacobian.
   { M::predict(x, dt) } -> std::convertible_to<StateOf<M>>;

@@ -1,29 +1,28 @@
 #include "models/landmarks/landmark_models.h"
 
+#include <array>
 #include <stdexcept>
 
-#include "models/landmarks/constant_acceleration.h"
-#include "models/landmarks/dynamic_inverse_depth.h"
-#include "models/landmarks/scaled_velocity.h"
+#include "models/landmarks/all_models.h"
 
 namespace slammot {
 namespace {
 
 // Static points only: a model whose landmarks never become free, so that any M serves.
 constexpr LandmarkFunctions inverse_depth() {
-  LandmarkFunctions functions =
-      landmark_row<DynamicInverseDepth>("static points only, Civera et al. 2008");
+  LandmarkFunctions functions = landmark_row<DynamicInverseDepth>();
   functions.name = "inverse_depth";
+  functions.description = "static points only, Civera et al. 2008";
   functions.can_move = false;
   return functions;
 }
 
-constexpr LandmarkFunctions kTable[] = {
-    inverse_depth(),
-    landmark_row<DynamicInverseDepth>("the thesis: inverse depth and velocity in metres (2.3)"),
-    landmark_row<ScaledVelocity>("velocity times inverse depth: modified polar coordinates"),
-    landmark_row<ConstantAcceleration>("inverse depth, velocity and acceleration in metres"),
-};
+template <typename... M>
+constexpr std::array<LandmarkFunctions, 1 + sizeof...(M)> rows(const std::tuple<M...>*) {
+  return {inverse_depth(), landmark_row<M>()...};
+}
+
+constexpr auto kTable = rows(static_cast<const LandmarkModels*>(nullptr));
 
 }  // namespace
 

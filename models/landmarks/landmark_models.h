@@ -1,5 +1,6 @@
-// The table of landmark models: one line adds one. What estimators use of a model M is gathered in
-// a row of functions, so that an estimator is compiled once and not once for each model.
+// The table of landmark models (all_models.h adds one). What estimators use of a model M is
+// gathered in a row of functions, so that an estimator is compiled once and not once for each
+// model.
 #pragma once
 
 #include <span>
@@ -32,7 +33,7 @@ struct LandmarkFunctions {
 
 // The row of a model.
 template <LandmarkModel M>
-constexpr LandmarkFunctions landmark_row(std::string_view description) {
+constexpr LandmarkFunctions landmark_row() {
   using X = StateOf<M>;
   return {M::kName,
           description,

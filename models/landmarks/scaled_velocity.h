@@ -11,6 +11,8 @@ namespace slammot {
 
 struct ScaledVelocity {
   static constexpr std::string_view kName = "scaled_velocity";
+  static constexpr std::string_view kDescription =
+      "velocity times inverse depth: modified polar coordinates";
   static constexpr int kMotion = 3;
 
   template <typename T>

@@ -35,7 +35,7 @@ TEST(DepthPrior, AWrongGuessNoLongerDecides) {
     EXPECT_GT(learnt.inverse_depth_sigma, 0.8 * kSpread);
     EXPECT_LT(learnt.inverse_depth_sigma, 4.0 * kSpread);
     // The prior of a scaled velocity follows.
-    EXPECT_NEAR(ScaledVelocity::prior_sigma(learnt),
+    EXPECT_NEAR(ScaledVelocity::prior_sigmas(learnt).x(),
                 std::hypot(learnt.inverse_depth, learnt.inverse_depth_sigma), 1e-12);
   }
 }

@@ -15,8 +15,8 @@ class SpeedClassifier final : public Classifier {
 
   Label decide(const MotionBelief& belief) const override {
     const double w_per_v = std::cbrt(belief.density_scale);  // w = v, or w = rho v
-    const double speed = belief.w.norm() / w_per_v;
-    const double margin = 2.0 * std::sqrt(belief.covariance.trace()) / w_per_v;
+    const double speed = belief.velocity_part().norm() / w_per_v;
+    const double margin = 2.0 * std::sqrt(belief.velocity_covariance().trace()) / w_per_v;
     if (speed + margin < speed_) return Label::kStatic;
     return speed - margin > speed_ ? Label::kMoving : Label::kUnknown;
   }
@@ -29,12 +29,12 @@ class SpeedClassifier final : public Classifier {
 TEST(ExtendingClassifier, DecidesThroughItsInterface) {
   const std::unique_ptr<Classifier> classifier = std::make_unique<SpeedClassifier>(0.3);
   MotionBelief belief;
-  belief.w = {0.1, 0.0, 0.0};
+  belief.w = Eigen::Vector3d(0.1, 0.0, 0.0);
   belief.covariance = Eigen::Matrix3d::Identity();
   EXPECT_EQ(classifier->decide(belief), Label::kUnknown);
   belief.covariance *= 1e-4;
   EXPECT_EQ(classifier->decide(belief), Label::kStatic);
-  belief.w.x() = 1.0;
+  belief.w(0) = 1.0;
   EXPECT_EQ(classifier->decide(belief), Label::kMoving);
   // The same point in scaled velocity, at rho = 0.2: u = rho v.
   belief.w *= 0.2;

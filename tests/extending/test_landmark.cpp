@@ -15,6 +15,8 @@ namespace {
 // Dynamic inverse depth whose velocity decays: v' = e^(-dt/tau) v, x = (theta, phi, rho, v).
 struct DecayingVelocity {
   static constexpr std::string_view kName = "decaying_velocity";
+  static constexpr std::string_view kDescription = "a velocity that decays";
+  static constexpr int kMotion = 3;    // numbers of w, here v
   static constexpr double kTau = 2.0;  // [s]
 
   static double decay(double dt) { return std::exp(-dt / kTau); }
@@ -45,6 +47,9 @@ struct DecayingVelocity {
     return F;
   }
 
+  static Matrix6d metric_noise_root(const LandmarkPrior& prior, double dt) {
+    return acceleration_noise_root(prior.acceleration, dt);
+  }
   static Matrix6d noise_jacobian(const Vector6d& x) {
     Matrix6d J = Matrix6d::Identity();
     J.topLeftCorner<3, 3>() = noise_jacobian_static(x.head<3>());
@@ -61,7 +66,9 @@ struct DecayingVelocity {
     return v;
   }
   static double density_scale(const Vector6d&) { return 1.0; }
-  static double prior_sigma(const LandmarkPrior& prior) { return prior.velocity_sigma(); }
+  static Eigen::Vector3d prior_sigmas(const LandmarkPrior& prior) {
+    return Eigen::Vector3d::Constant(prior.velocity_sigma());
+  }
 };
 static_assert(LandmarkModel<DecayingVelocity>);
 // [end]
@@ -104,7 +111,7 @@ TEST(ExtendingLandmark, MovesAndNoiseStandsInMetres) {
     J_metric.bottomRows<3>() = DecayingVelocity::velocity_jacobian(x);
     const Matrix6d I = DecayingVelocity::noise_jacobian(x) * J_metric;
     EXPECT_LT((I - Matrix6d::Identity()).cwiseAbs().maxCoeff(), 1e-7);
-    EXPECT_TRUE(landmark_noise_root<DecayingVelocity>(x, 1.0, 0.1).allFinite());
+    EXPECT_TRUE(landmark_noise_root<DecayingVelocity>(x, LandmarkPrior{}, 0.1).allFinite());
   }
 }
 

@@ -1,93 +1,17 @@
 // Every analytic Jacobian of models/ against Ceres' automatic differentiation, on random states and
 // on nearly degenerate ones: rho near 0, rays at the image border, phi near +-pi/2, no rotation.
-#include <ceres/jet.h>
 #include <gtest/gtest.h>
-
-#include <random>
 
 #include "models/camera.h"
 #include "models/camera_motion.h"
 #include "models/initialisation.h"
-#include "models/landmarks/dynamic_inverse_depth.h"
-#include "models/landmarks/scaled_velocity.h"
 #include "models/observation.h"
+#include "tests/models/fixture.h"
 
 namespace slammot {
 namespace {
 
-constexpr int kStates = 2000;
-constexpr double kRelative = 1e-7;
-
-template <int N>
-using Jet = ceres::Jet<double, N>;
-
-// |A - B| relative to the largest entry of B.
-template <typename A, typename B>
-void expect_same(const A& analytic, const B& automatic, const std::string& what) {
-  const double scale = std::max(automatic.cwiseAbs().maxCoeff(), 1e-12);
-  const double error = (analytic - automatic).cwiseAbs().maxCoeff() / scale;
-  ASSERT_TRUE(std::isfinite(scale)) << what;
-  ASSERT_LT(error, kRelative) << what << "\nanalytic\n" << analytic << "\nautomatic\n" << automatic;
-}
-
-template <int Rows, int N, typename V>
-Eigen::Matrix<double, Rows, N> derivatives(const V& values) {
-  Eigen::Matrix<double, Rows, N> J;
-  for (int i = 0; i < Rows; ++i) J.row(i) = values(i).v.transpose();
-  return J;
-}
-
-class Random {
- public:
-  double normal() { return normal_(engine_); }
-  double uniform(double a, double b) { return a + (b - a) * uniform_(engine_); }
-  Eigen::Vector3d vector(double sigma) {
-    return Eigen::Vector3d(normal(), normal(), normal()) * sigma;
-  }
-  // Every fourth one is zero or tiny.
-  Eigen::Vector3d rotation() {
-    const Eigen::Vector3d v = vector(1.0);
-    const int kind = count_++ % 8;
-    if (kind == 0) return Eigen::Vector3d::Zero();
-    return kind == 1 ? Eigen::Vector3d(v * 1e-9) : v;
-  }
-  // (theta, phi, rho) with rho near 0 and phi near +-pi/2 among them.
-  Eigen::Vector3d y() {
-    Eigen::Vector3d y(uniform(-3.0, 3.0), uniform(-1.5, 1.5), uniform(-0.2, 1.0));
-    const int kind = count_++ % 10;
-    if (kind == 0) y.z() = 1e-12 * normal();
-    if (kind == 1) y.z() = 0.0;
-    if (kind == 2) y.y() = (normal() > 0 ? 1.0 : -1.0) * (M_PI / 2 - 1e-3);
-    return y;
-  }
-
- private:
-  std::mt19937_64 engine_{20100719};
-  std::normal_distribution<double> normal_;
-  std::uniform_real_distribution<double> uniform_;
-  int count_ = 0;
-};
-
-template <int N>
-CameraStateT<Jet<N>> perturbed(const CameraState& x, int offset = 0) {
-  Eigen::Matrix<Jet<N>, kCameraDim, 1> d;
-  for (int i = 0; i < kCameraDim; ++i) d(i) = Jet<N>(0.0, offset + i);
-  CameraStateT<Jet<N>> y;
-  y.position = x.position.template cast<Jet<N>>();
-  y.orientation = x.orientation.template cast<Jet<N>>();
-  y.velocity = x.velocity.template cast<Jet<N>>();
-  y.angular_velocity = x.angular_velocity.template cast<Jet<N>>();
-  return boxplus(y, d);
-}
-
-CameraState random_camera(Random& random) {
-  CameraState x;
-  x.position = random.vector(3.0);
-  x.orientation = exp_so3(random.rotation());
-  x.velocity = random.vector(2.0);
-  x.angular_velocity = random.rotation();
-  return x;
-}
+using namespace test;  // NOLINT(google-build-using-namespace)
 
 TEST(Jacobians, RotationVectorThereAndBack) {
   Random random;
@@ -122,50 +46,6 @@ TEST(Jacobians, CameraMotion) {
     f_jet.angular_velocity = f.angular_velocity.cast<Jet<12>>();
     const Matrix12d F = derivatives<12, 12>(boxminus(y, f_jet));
     expect_same(predict_jacobian(x, dt), F, "camera motion");
-  }
-}
-
-template <typename Model>
-class LandmarkJacobians : public testing::Test {};
-using Models = testing::Types<DynamicInverseDepth, ScaledVelocity>;
-TYPED_TEST_SUITE(LandmarkJacobians, Models);
-
-TYPED_TEST(LandmarkJacobians, PredictionAndNoise) {
-  Random random;
-  for (int k = 0; k < kStates; ++k) {
-    Vector6d x;
-    x << random.y(), random.vector(1.0);
-    if (k % 7 == 0) x.tail<3>().setZero();
-    const double dt = random.uniform(0.01, 0.2);
-    Vector6<Jet<6>> x_jet;
-    for (int i = 0; i < 6; ++i) x_jet(i) = Jet<6>(x(i), i);
-    const Matrix6d F = derivatives<6, 6>(TypeParam::predict(x_jet, dt));
-    expect_same(TypeParam::predict_jacobian(x, dt), F, "prediction");
-    if (std::abs(x(2)) > 1e-3) {
-      // noise_jacobian inverts d(position, velocity)/dx.
-      Matrix6d J_metric = Matrix6d::Zero();
-      J_metric.topLeftCorner<3, 3>() = position_jacobian(x.head<3>());
-      J_metric.bottomRows<3>() = TypeParam::velocity_jacobian(x);
-      const Matrix6d I = TypeParam::noise_jacobian(x) * J_metric;
-      ASSERT_LT((I - Matrix6d::Identity()).cwiseAbs().maxCoeff(), 1e-7) << x.transpose();
-    }
-  }
-}
-
-TYPED_TEST(LandmarkJacobians, PredictionMovesThePointByItsVelocity) {
-  Random random;
-  for (int k = 0; k < kStates; ++k) {
-    Vector6d x;
-    x << random.y(), random.vector(1.0);
-    if (std::abs(x(2)) < 1e-2) continue;
-    const double dt = random.uniform(0.01, 0.2);
-    const Vector6d next = TypeParam::predict(x, dt);
-    const Eigen::Vector3d here = direction(x(0), x(1)) / x(2);
-    const Eigen::Vector3d there = direction(next(0), next(1)) / next(2);
-    const Eigen::Vector3d moved = here + TypeParam::velocity(x) * dt;  // thesis (2.5)
-    EXPECT_LT((there - moved).norm(), 1e-9 * (1.0 + moved.norm()));
-    EXPECT_LT((TypeParam::velocity(next) - TypeParam::velocity(x)).norm(),
-              1e-9 * (1.0 + TypeParam::velocity(x).norm()));
   }
 }
 

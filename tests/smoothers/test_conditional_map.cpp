@@ -59,7 +59,7 @@ TEST(ConditionalMap, ConditioningOnZeroIsAFactorThatSaysSo) {
       ASSERT_TRUE(graph->prior().active.find(4));
       marginalise(*graph, {5});  // factors of 4 other than the prior are gone
     }
-    measured.add_factor({4}, motion_prior_cost(kSigma));
+    measured.add_factor({4}, motion_prior_cost(MotionVector::Constant(3, kSigma)));
     measured.retract(NormalEquations(measured).step());
     stated.prior().condition_on_zero(4);
     EXPECT_FALSE(stated.prior().active.find(4));

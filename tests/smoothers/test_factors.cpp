@@ -79,7 +79,7 @@ TEST(Factors, JacobiansOnTheManifold) {
     expect_gradients(*camera_motion_cost(Q, 0.1), {pa, ma, pb, mb}, manifold);
     const SmallVector anchor = a.position + vector(0.3);
     const Eigen::Vector3d ray = a.orientation * Eigen::Vector3d(0.2 * normal(engine), 0.1, 1.0);
-    SmallVector y(3), w = vector(0.3);
+    SmallVector y(3);
     y << angles(ray, 0.0), 0.2;
     expect_gradients(*pixel_cost(test::pinhole(), {300, 200}, 1.0), {pa, ma, anchor, y}, manifold);
     expect_gradients(*first_pixel_cost(test::pinhole(), {300, 200}, 1.0), {ma, y}, manifold);
@@ -88,12 +88,13 @@ TEST(Factors, JacobiansOnTheManifold) {
     expect_gradients(*known_landmark_cost({1, vector(2.0), 0.1}), {anchor, y}, manifold);
     for (const LandmarkFunctions& landmark : landmark_table()) {
       auto chain = std::make_shared<Chain>(Chain{&landmark, {}});
+      SmallVector w(landmark.motion);
+      for (double& v : w) v = 0.3 * normal(engine);
       std::vector<SmallVector> blocks{pa, ma, anchor, y, w};
+      const LandmarkVector x = landmark_state(y, w);
       for (int i = 0; i < 3; ++i) {
-        Vector6d x;
-        x << y, w;
-        chain->steps.push_back({0.1, landmark.noise_root(x, 1.0, 0.1)});
-        SmallVector noise(6);
+        chain->steps.push_back({0.1, landmark.noise_root(x, LandmarkPrior{}, 0.1)});
+        SmallVector noise(landmark.dim());
         for (double& v : noise) v = normal(engine);
         blocks.push_back(noise);
       }

@@ -94,7 +94,7 @@ TEST(Marginalise, AdvanceIsTheTimeUpdate) {
   const Matrix6d root = P0.inverse().llt().matrixU();
   graph.prior().active.set({&graph.variable(y), &graph.variable(w)}, root, Vector6d::Zero());
   const VariableId n = graph.add_variable(Vector6d::Zero(), nullptr, 1);
-  graph.add_factor({n}, noise_prior_cost());
+  graph.add_factor({n}, noise_prior_cost(6));
   const Vector6d next = Vector6d::Constant(0.5);
   marginalise(graph, {n}, {{y, w, n, F.inverse(), G, next}});
   const std::vector<std::vector<VariableId>> both{{y, w}};

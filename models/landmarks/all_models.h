@@ -1,0 +1,15 @@
+// Every model of a landmark that may move: one entry adds one, to the table and to the tests of
+// models and estimators.
+#pragma once
+
+#include <tuple>
+
+#include "models/landmarks/constant_acceleration.h"
+#include "models/landmarks/dynamic_inverse_depth.h"
+#include "models/landmarks/scaled_velocity.h"
+
+namespace slammot {
+
+using LandmarkModels = std::tuple<DynamicInverseDepth, ScaledVelocity, ConstantAcceleration>;
+
+}  // namespace slammot

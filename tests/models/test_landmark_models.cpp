@@ -1,0 +1,155 @@
+// The laws that every model of a moving landmark keeps; a new one inherits them through
+// models/landmarks/all_models.h.
+#include <Eigen/LU>
+
+#include "models/landmarks/all_models.h"
+#include "models/landmarks/landmark_models.h"
+#include "tests/models/fixture.h"
+
+namespace slammot {
+namespace {
+
+using test::Jet;
+
+template <typename>
+struct TypesOf;
+template <typename... M>
+struct TypesOf<std::tuple<M...>> {
+  using Type = testing::Types<M...>;
+};
+
+template <typename M>
+class LandmarkLaws : public testing::Test {
+ protected:
+  using X = StateOf<M>;
+
+  // Every seventh is at rest.
+  X random_state() {
+    X x;
+    for (int i = 3; i < x.size(); ++i) x(i) = count_ % 7 == 0 ? 0.0 : random_.normal();
+    ++count_;
+    x.template head<3>() = random_.y();
+    return x;
+  }
+  static Eigen::Vector3d position(const X& x) {
+    return position_world(Eigen::Vector3d::Zero(), x.template head<3>());
+  }
+
+  test::Random random_;
+  int count_ = 0;
+};
+TYPED_TEST_SUITE(LandmarkLaws, TypesOf<LandmarkModels>::Type);
+
+TYPED_TEST(LandmarkLaws, JacobianIsThatOfThePrediction) {
+  constexpr int kDim = kLandmarkDim<TypeParam>;
+  for (int k = 0; k < test::kStates; ++k) {
+    const StateOf<TypeParam> x = this->random_state();
+    const double dt = this->random_.uniform(0.01, 0.2);
+    StateOf<TypeParam, Jet<kDim>> x_jet;
+    for (int i = 0; i < kDim; ++i) x_jet(i) = Jet<kDim>(x(i), i);
+    const JacobianOf<TypeParam> F = test::derivatives<kDim, kDim>(TypeParam::predict(x_jet, dt));
+    test::expect_same(TypeParam::predict_jacobian(x, dt), F, "prediction");
+  }
+}
+
+// d(position, velocity)/dx times d x/d(position, velocity, ..) = (I 0).
+TYPED_TEST(LandmarkLaws, NoiseStandsInMetres) {
+  constexpr int kDim = kLandmarkDim<TypeParam>;
+  for (int k = 0; k < test::kStates; ++k) {
+    const StateOf<TypeParam> x = this->random_state();
+    if (std::abs(x(2)) < 1e-3) continue;
+    Eigen::Matrix<double, 6, kDim> J_metric = Eigen::Matrix<double, 6, kDim>::Zero();
+    J_metric.template topLeftCorner<3, 3>() = position_jacobian(x.template head<3>());
+    J_metric.template bottomRows<3>() = TypeParam::velocity_jacobian(x);
+    const Eigen::Matrix<double, 6, kDim> I = J_metric * TypeParam::noise_jacobian(x);
+    const Eigen::Matrix<double, 6, kDim> expected = Eigen::Matrix<double, 6, kDim>::Identity();
+    ASSERT_LT((I - expected).cwiseAbs().maxCoeff(), 1e-7) << x.transpose();
+  }
+}
+
+TYPED_TEST(LandmarkLaws, TwoHalfStepsAreOne) {
+  for (int k = 0; k < test::kStates; ++k) {
+    const StateOf<TypeParam> x = this->random_state();
+    const double dt = this->random_.uniform(0.01, 0.2);
+    const StateOf<TypeParam> whole = TypeParam::predict(x, dt);
+    const StateOf<TypeParam> half = TypeParam::predict(x, 0.5 * dt);
+    const StateOf<TypeParam> halves = TypeParam::predict(half, 0.5 * dt);
+    EXPECT_LT((halves - whole).norm(), 1e-9 * (1.0 + whole.norm())) << x.transpose();
+  }
+}
+
+TYPED_TEST(LandmarkLaws, ThePointMovesByItsVelocity) {
+  constexpr double kStep = 1e-4;  // [s]
+  for (int k = 0; k < test::kStates; ++k) {
+    const StateOf<TypeParam> x = this->random_state();
+    if (std::abs(x(2)) < 0.05) continue;
+    const Eigen::Vector3d moved = this->position(TypeParam::predict(x, kStep)) -
+                                  this->position(TypeParam::predict(x, -kStep));
+    const Eigen::Vector3d v = TypeParam::velocity(x);
+    EXPECT_LT((moved / (2.0 * kStep) - v).norm(), 1e-6 * (1.0 + v.norm())) << x.transpose();
+  }
+}
+
+TYPED_TEST(LandmarkLaws, AtRestItStays) {
+  for (int k = 0; k < test::kStates; ++k) {
+    StateOf<TypeParam> x = this->random_state();
+    x.template tail<TypeParam::kMotion>().setZero();
+    EXPECT_LT((TypeParam::predict(x, 0.1) - x).norm(), 1e-12);
+  }
+}
+
+TYPED_TEST(LandmarkLaws, MotionOfAVelocityHasThisVelocity) {
+  for (int k = 0; k < test::kStates; ++k) {
+    StateOf<TypeParam> x = this->random_state();
+    if (std::abs(x(2)) < 1e-3) continue;
+    const Eigen::Vector3d v = this->random_.vector(1.0);
+    x.template tail<TypeParam::kMotion>() = TypeParam::motion_of(x.template head<3>(), v);
+    EXPECT_LT((TypeParam::velocity(x) - v).norm(), 1e-9);
+    const StateOf<TypeParam> next = TypeParam::predict(x, 0.1);
+    EXPECT_LT((TypeParam::velocity(next) - v).norm(), 1e-9 * (1.0 + v.norm()));
+  }
+}
+
+// The density of v at rest is that of the first three of w times |dw/dv|.
+TYPED_TEST(LandmarkLaws, DensityScaleIsTheDeterminant) {
+  for (int k = 0; k < test::kStates; ++k) {
+    StateOf<TypeParam> x = this->random_state();
+    if (std::abs(x(2)) < 0.05) continue;
+    x.template tail<TypeParam::kMotion>().setZero();
+    const Eigen::Matrix3d dv_dw = TypeParam::velocity_jacobian(x).template middleCols<3>(3);
+    EXPECT_NEAR(TypeParam::density_scale(x) * std::abs(dv_dw.determinant()), 1.0, 1e-9);
+  }
+}
+
+TYPED_TEST(LandmarkLaws, ItsRowIsTheModel) {
+  const LandmarkFunctions& row = find_landmark(std::string(TypeParam::kName));
+  EXPECT_EQ(row.motion, TypeParam::kMotion);
+  EXPECT_EQ(row.dim(), kLandmarkDim<TypeParam>);
+  EXPECT_TRUE(row.can_move);
+  const LandmarkPrior prior;
+  for (int k = 0; k < 20; ++k) {
+    const StateOf<TypeParam> x = this->random_state();
+    EXPECT_TRUE(row.predict(x, 0.1) == TypeParam::predict(x, 0.1));
+    EXPECT_TRUE(row.predict_jacobian(x, 0.1) == TypeParam::predict_jacobian(x, 0.1));
+    EXPECT_TRUE(row.noise_root(x, prior, 0.1) == landmark_noise_root<TypeParam>(x, prior, 0.1));
+  }
+  EXPECT_GT(row.prior_sigmas(prior).minCoeff(), 0.0);
+}
+
+// Jerk that is white over dt, integrated in small steps of constant jerk.
+TEST(ConstantAcceleration, NoiseIsThatOfWhiteJerk) {
+  constexpr double kDt = 0.1;
+  constexpr int kSteps = 2000;
+  const double h = kDt / kSteps;
+  Eigen::Matrix3d P = Eigen::Matrix3d::Zero(), F;
+  F << 1.0, h, 0.5 * h * h, 0.0, 1.0, h, 0.0, 0.0, 1.0;
+  const Eigen::Vector3d g(h * h * h / 6.0, 0.5 * h * h, h);
+  // The jerk of a small step has the variance that makes that of a whole step's acceleration dt^2.
+  const double variance = kDt / h;
+  for (int i = 0; i < kSteps; ++i) P = F * P * F.transpose() + variance * g * g.transpose();
+  const Eigen::Matrix3d pattern = ConstantAcceleration::jerk_pattern(kDt);
+  EXPECT_LT((P - pattern).cwiseQuotient(pattern).cwiseAbs().maxCoeff(), 2e-3);
+}
+
+}  // namespace
+}  // namespace slammot
