@@ -2,8 +2,8 @@
 
 #include "estimation/frame_loop.h"
 
-#include "smoothers/graph/factors.h"
-#include "smoothers/graph/robust_loss.h"
+#include "smoothers/factors/factors.h"
+#include "smoothers/factors/robust_loss.h"
 #include "smoothers/solver/ceres_solve.h"
 #include "smoothers/window/window_belief.h"
 

@@ -1,6 +1,6 @@
 #include "smoothers/graph/landmark_variables.h"
 
-#include "smoothers/graph/factors.h"
+#include "smoothers/factors/factors.h"
 
 namespace slammot {
 

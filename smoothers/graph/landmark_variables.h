@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "estimation/landmark_estimate.h"
-#include "smoothers/graph/landmark_chain.h"
+#include "smoothers/factors/landmark_chain.h"
 #include "smoothers/graph/state_projection.h"
 
 namespace slammot {

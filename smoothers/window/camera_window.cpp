@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "models/landmarks/true_state.h"
-#include "smoothers/graph/factors.h"
+#include "smoothers/factors/factors.h"
 
 namespace slammot {
 

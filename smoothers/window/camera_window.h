@@ -8,7 +8,7 @@
 #include "models/camera_motion.h"
 #include "models/measurement.h"
 #include "models/truth.h"
-#include "smoothers/graph/camera_manifold.h"
+#include "smoothers/factors/camera_manifold.h"
 #include "smoothers/graph/graph.h"
 
 namespace slammot {

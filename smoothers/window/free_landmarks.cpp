@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "smoothers/graph/factors.h"
+#include "smoothers/factors/factors.h"
 
 namespace slammot {
 

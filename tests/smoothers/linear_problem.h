@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "smoothers/graph/cost_tools.h"
+#include "smoothers/factors/cost_tools.h"
 #include "smoothers/graph/graph.h"
 
 namespace slammot::test {

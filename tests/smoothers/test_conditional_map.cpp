@@ -1,7 +1,7 @@
 // The conditional map against graphs in which every variable stays active.
 #include <gtest/gtest.h>
 
-#include "smoothers/graph/factors.h"
+#include "smoothers/factors/factors.h"
 #include "smoothers/graph/state_projection.h"
 #include "smoothers/solver/marginalise.h"
 #include "smoothers/solver/normal_equations.h"

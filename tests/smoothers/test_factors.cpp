@@ -6,10 +6,10 @@
 
 #include "models/camera_motion.h"
 #include "models/landmarks/landmark_models.h"
-#include "smoothers/graph/camera_manifold.h"
-#include "smoothers/graph/factors.h"
+#include "smoothers/factors/camera_manifold.h"
+#include "smoothers/factors/factors.h"
+#include "smoothers/factors/landmark_chain.h"
 #include "smoothers/graph/graph.h"
-#include "smoothers/graph/landmark_chain.h"
 #include "tests/smoothers/fixture.h"
 
 namespace slammot {

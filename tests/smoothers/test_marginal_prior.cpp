@@ -3,7 +3,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "smoothers/graph/camera_manifold.h"
+#include "smoothers/factors/camera_manifold.h"
 #include "smoothers/graph/prior.h"
 #include "tests/smoothers/fixture.h"
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "smoothers/graph/factors.h"
+#include "smoothers/factors/factors.h"
 #include "smoothers/solver/marginalise.h"
 #include "smoothers/solver/normal_equations.h"
 #include "tests/smoothers/linear_problem.h"

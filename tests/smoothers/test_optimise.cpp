@@ -7,8 +7,8 @@
 
 #include "estimation/estimator.h"
 #include "models/camera_motion.h"
-#include "smoothers/graph/camera_manifold.h"
-#include "smoothers/graph/factors.h"
+#include "smoothers/factors/camera_manifold.h"
+#include "smoothers/factors/factors.h"
 #include "smoothers/solver/ceres_solve.h"
 #include "smoothers/solver/optimise.h"
 #include "tests/smoothers/fixture.h"

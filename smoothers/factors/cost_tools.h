@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <stdexcept>
 
-#include "smoothers/graph/camera_manifold.h"
+#include "smoothers/factors/camera_manifold.h"
 
 namespace slammot {
 

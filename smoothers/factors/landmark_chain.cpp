@@ -1,10 +1,10 @@
-#include "smoothers/graph/landmark_chain.h"
+#include "smoothers/factors/landmark_chain.h"
 
 #include <Eigen/QR>
 
 #include "models/observation.h"
-#include "smoothers/graph/camera_manifold.h"
-#include "smoothers/graph/cost_tools.h"
+#include "smoothers/factors/camera_manifold.h"
+#include "smoothers/factors/cost_tools.h"
 
 namespace slammot {
 

@@ -1,4 +1,4 @@
-#include "smoothers/graph/robust_loss.h"
+#include "smoothers/factors/robust_loss.h"
 
 #include <stdexcept>
 

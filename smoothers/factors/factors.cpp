@@ -1,10 +1,10 @@
-#include "smoothers/graph/factors.h"
+#include "smoothers/factors/factors.h"
 
 #include <ceres/sized_cost_function.h>
 
 #include "models/observation.h"
-#include "smoothers/graph/camera_manifold.h"
-#include "smoothers/graph/cost_tools.h"
+#include "smoothers/factors/camera_manifold.h"
+#include "smoothers/factors/cost_tools.h"
 
 namespace slammot {
 namespace {

@@ -1,4 +1,4 @@
-#include "smoothers/graph/camera_manifold.h"
+#include "smoothers/factors/camera_manifold.h"
 
 namespace slammot {
 
