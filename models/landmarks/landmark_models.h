@@ -36,7 +36,7 @@ template <LandmarkModel M>
 constexpr LandmarkFunctions landmark_row() {
   using X = StateOf<M>;
   return {M::kName,
-          description,
+          M::kDescription,
           true,
           M::kMotion,
           [](const LandmarkVector& x, double dt) -> LandmarkVector { return M::predict(X(x), dt); },

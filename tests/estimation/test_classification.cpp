@@ -14,6 +14,7 @@ MotionBelief belief(const Eigen::Vector3d& w, double sigma) {
   MotionBelief b;
   b.w = w;
   b.covariance = sigma * sigma * Eigen::Matrix3d::Identity();
+  b.prior_sigmas = MotionVector::Ones(3);
   return b;
 }
 

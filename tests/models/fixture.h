@@ -76,7 +76,7 @@ CameraStateT<Jet<N>> perturbed(const CameraState& x, int offset = 0) {
   return boxplus(y, d);
 }
 
-CameraState random_camera(Random& random) {
+inline CameraState random_camera(Random& random) {
   CameraState x;
   x.position = random.vector(3.0);
   x.orientation = exp_so3(random.rotation());
