@@ -12,7 +12,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       classifier_(make_classifier(classifier_for(landmark_, models.classifier), setup.true_labels)),
       depth_prior_(learns_depths(models.depth_prior, !setup.known.empty()), setup.prior),
       linearisation_(options.linearisation, landmark_, setup.truth) {
-  if (options.deferred && options.linearisation == "invariant") {
+  if (options.deferred && options.linearisation == FilterLinearisation::kInvariant) {
     throw std::invalid_argument(
         "ekf.deferred cannot go with linearisation invariant, which changes far rows at each "
         "update");

@@ -129,7 +129,7 @@ void Ekf::classify(int frame) {
 // (3.3). `condition` first uses w = 0 as an exact measurement: K = P[:,w] P_ww^-1.
 void Ekf::collapse() {
   if (tracks_.empty()) return;
-  if (models_.collapse == "condition") {
+  if (models_.collapse == Collapse::kCondition) {
     const auto m = static_cast<Eigen::Index>(3 * tracks_.size());
     Eigen::MatrixXd P_w(state_.covariance.size(), m);
     Eigen::VectorXd w(m);

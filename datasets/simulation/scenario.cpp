@@ -41,7 +41,7 @@ constexpr ScenarioRow kScenarios[] = {
     scenario_row<MoveStopMoveOptions, simulate_move_stop_move>(
         "move_stop_move", "the circle with objects that stop and go, and some parked at first"),
     scenario_row<MatchedOptions, simulate_matched>(
-        "matched", "everything drawn from the models themselves, to calibrate consistency"),
+        "model_matched", "everything drawn from the models themselves, to calibrate consistency"),
 };
 
 }  // namespace
@@ -50,6 +50,7 @@ std::span<const ScenarioRow> scenario_table() { return kScenarios; }
 
 Sequence simulate(std::string_view scenario, const ScenarioOverrides& overrides,
                   std::uint64_t seed) {
+  if (scenario == "matched") scenario = "model_matched";  // its name until release 0.1
   std::string known;
   for (const ScenarioRow& row : scenario_table()) {
     if (row.name != scenario) {

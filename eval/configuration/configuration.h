@@ -16,6 +16,7 @@
 
 #include "estimation/options.h"
 #include "filters/ekf_options.h"
+#include "models/camera_motion.h"
 #include "smoothers/window/window_options.h"
 
 namespace slammot {
@@ -23,7 +24,7 @@ namespace slammot {
 struct MotionConfiguration {
   std::optional<double> acceleration;          // [m/s^2]
   std::optional<double> angular_acceleration;  // [rad/s^2]
-  std::string discretisation = "white_noise";  // white_noise | impulse
+  NoiseDiscretisation discretisation = NoiseDiscretisation::kWhiteNoise;
 };
 
 struct PriorConfiguration {
@@ -74,6 +75,9 @@ struct Assignment {
 
 // `key=value`; throws std::invalid_argument where there is no `=`.
 Assignment parse_assignment(const std::string& text);
+
+// A key or value of an earlier release by its present name. Old names are read for one release.
+Assignment with_present_names(Assignment assignment);
 
 // Throws std::invalid_argument: an unknown key (naming the nearest known ones) or a bad value.
 void assign(Configuration& configuration, const Assignment& assignment);

@@ -23,19 +23,19 @@ void as_stated(Configuration&) {}
 // Here and with true labels nothing is taken back.
 void all_static(Configuration& c) {
   c.model.classifier.name = "all_static";
-  c.model.labels.name = "one_way";
+  c.model.labels.rule = LabelRule::kOneWay;
 }
 void true_labels(Configuration& c) {
   c.model.classifier.name = "truth";
-  c.model.labels.name = "one_way";
+  c.model.labels.rule = LabelRule::kOneWay;
 }
 // Covariances at the truth, with labels given and every measurement used: a probability of 1 opens
 // the gate, so that nothing of P depends on the estimates. Its prior is the one that is stated.
 void bound(Configuration& c) {
   true_labels(c);
   c.model.gate_probability = 1.0;
-  c.ekf.linearisation = "ideal";
-  c.model.depth_prior = "stated";
+  c.ekf.linearisation = FilterLinearisation::kIdeal;
+  c.model.depth_prior = DepthPriorSource::kFixed;
   c.prior.mean_sigma = 0.0;
 }
 void delayed(Configuration& c) { c.ekf.delayed = true; }

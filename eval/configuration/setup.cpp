@@ -27,8 +27,7 @@ MotionNoise motion_noise(const Sequence& sequence, const MotionConfiguration& ov
   }
   noise.acceleration = overrides.acceleration.value_or(noise.acceleration);
   noise.angular_acceleration = overrides.angular_acceleration.value_or(noise.angular_acceleration);
-  noise.discretisation = overrides.discretisation == "impulse" ? NoiseDiscretisation::kImpulse
-                                                               : NoiseDiscretisation::kWhiteNoise;
+  noise.discretisation = overrides.discretisation;
   return noise;
 }
 
@@ -72,7 +71,8 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
   for (const auto& [track, landmark] : sequence.landmarks) {
     setup.true_labels[track] = landmark.label;
   }
-  if (configuration.ekf.linearisation == "ideal" || configuration.window.linearisation == "ideal") {
+  if (configuration.ekf.linearisation == FilterLinearisation::kIdeal ||
+      configuration.window.linearisation == WindowLinearisation::kIdeal) {
     setup.truth = truth_of(sequence);
   }
   return setup;
@@ -81,7 +81,9 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
 Configuration resolve(const Sequence& sequence, Configuration configuration) {
   const Setup setup = make_setup(sequence, configuration);
   configuration.model.depth_prior =
-      learns_depths(configuration.model.depth_prior, !setup.known.empty()) ? "map" : "stated";
+      learns_depths(configuration.model.depth_prior, !setup.known.empty())
+          ? DepthPriorSource::kEmpirical
+          : DepthPriorSource::kFixed;
   configuration.pixel_sigma = setup.pixel_sigma;
   configuration.motion.acceleration = setup.camera_noise.acceleration;
   configuration.motion.angular_acceleration = setup.camera_noise.angular_acceleration;

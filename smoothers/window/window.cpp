@@ -13,18 +13,14 @@ namespace {
 
 constexpr int kShared = -1;
 
-std::unique_ptr<ceres::LossFunction> make_loss(const std::string& name) {
+std::unique_ptr<ceres::LossFunction> make_loss(Loss loss) {
   constexpr double kHuber = 1.345;  // 95% efficient under Gaussian noise (Huber 1981)
-  if (name == "huber") return std::make_unique<ceres::HuberLoss>(kHuber);
-  if (name == "none") return nullptr;
-  throw std::invalid_argument("unknown loss '" + name + "'");
+  return loss == Loss::kHuber ? std::make_unique<ceres::HuberLoss>(kHuber) : nullptr;
 }
 
 // Whether Jacobians are taken at fixed points.
-bool first_estimates(const std::string& linearisation) {
-  if (linearisation == "fej" || linearisation == "ideal") return true;
-  if (linearisation == "standard") return false;
-  throw std::invalid_argument("unknown linearisation '" + linearisation + "' of the window");
+bool first_estimates(WindowLinearisation linearisation) {
+  return linearisation != WindowLinearisation::kStandard;
 }
 
 }  // namespace
@@ -39,8 +35,8 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       depth_prior_(learns_depths(models.depth_prior, !setup.known.empty()), setup.prior),
       loss_(make_loss(options.loss)),
       graph_(first_estimates(options.linearisation)),
-      truth_(options.linearisation == "ideal" ? setup.truth : nullptr) {
-  if (options.linearisation == "ideal" && !truth_) {
+      truth_(options.linearisation == WindowLinearisation::kIdeal ? setup.truth : nullptr) {
+  if (options.linearisation == WindowLinearisation::kIdeal && !truth_) {
     throw std::invalid_argument("linearisation ideal needs the exact truth of a simulation");
   }
   for (const KnownLandmark& known : setup.known) known_[known.track] = known;
@@ -63,7 +59,7 @@ FrameReport Window::process(const Frame& frame, StageListener& stages) {
   stages.begin("optimise");
   const std::vector<FactorId> pixels = add_measurements(accepted);
   refresh_noises();
-  const OptimiseResult optimum = optimise(graph_, options_.iterations, options_.negligible);
+  const OptimiseResult optimum = optimise(graph_, options_.iterations, options_.cost_tolerance);
 
   stages.begin("covariances");
   estimate_camera(optimum.equations, optimum.last_step);

@@ -136,7 +136,7 @@ void Window::collapse(const std::vector<int>& tracks) {
   for (const int track : tracks) {
     WindowLandmark& landmark = landmarks_.at(track);
     if (record_lives_) remember_chain(landmark);
-    models_.collapse == "condition" ? condition(landmark) : drop(landmark);
+    models_.collapse == Collapse::kCondition ? condition(landmark) : drop(landmark);
     landmark.noises.clear();
     landmark.noise_priors.clear();
     landmark.pixels.clear();
@@ -145,7 +145,7 @@ void Window::collapse(const std::vector<int>& tracks) {
     landmark.base = newest().position;
     linearise_at_truth(landmark);
   }
-  if (models_.collapse != "condition") return;
+  if (models_.collapse != Collapse::kCondition) return;
   graph_.rebase_prior();
   const NormalEquations equations(graph_);
   const Step step = equations.step();

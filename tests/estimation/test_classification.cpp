@@ -88,7 +88,7 @@ TEST(Truth, IsKnownFromBirthAndOtherwiseUnknown) {
 TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
   const TrackPolicy policy;
   TrackRecord moving = born(1, 0, Label::kUnknown, false, {});
-  moving.unused_frames = policy.lost_after;
+  moving.unused_frames = policy.prune_after;
   EXPECT_FALSE(is_lost(moving, policy));
   ++moving.unused_frames;
   EXPECT_TRUE(is_lost(moving, policy));
@@ -96,16 +96,16 @@ TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
   fixed.unused_frames = 10000;
   EXPECT_FALSE(is_lost(fixed, policy));  // it stays in the map
   TrackPolicy window = policy;
-  window.retain = "window";
+  window.retain = Retain::kWindow;
   EXPECT_TRUE(is_lost(fixed, window));
-  for (int i = 0; i < policy.missed_after; ++i) note_unused(fixed, true);
+  for (int i = 0; i < policy.prune_missed_after; ++i) note_unused(fixed, true);
   note_unused(fixed, false);
   EXPECT_FALSE(is_lost(fixed, policy));
   note_unused(fixed, true);
   EXPECT_TRUE(is_lost(fixed, policy));
   note_accepted(fixed, 9);
   EXPECT_FALSE(is_lost(fixed, policy));
-  for (int i = 0; i <= policy.lost_after; ++i) note_rejected(fixed);
+  for (int i = 0; i <= policy.prune_after; ++i) note_rejected(fixed);
   EXPECT_TRUE(is_lost(fixed, policy));
 }
 

@@ -18,8 +18,12 @@ struct Case {
   std::string landmark, collapse, classifier;
   double mean_sigma = 0.0;
   std::string labels = "one_way";
-  std::string depth_prior = "stated";
+  std::string depth_prior = "fixed";
 };
+
+DepthPriorSource source_of(const std::string& name) {
+  return name == "fixed" ? DepthPriorSource::kFixed : DepthPriorSource::kEmpirical;
+}
 
 class OneFrameOf : public testing::TestWithParam<Case> {};
 
@@ -28,16 +32,16 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
   const Sequence sequence = simulate("circle", {{"frames", "120"}, {"first_moving", "3"}}, 3);
   slammot::Setup setup = make_setup(sequence, Configuration{});
   ModelOptions models;
-  models.labels.name = GetParam().labels;
+  models.labels.rule = GetParam().labels == "one_way" ? LabelRule::kOneWay : LabelRule::kReversible;
   setup.prior.mean_sigma = GetParam().mean_sigma;
-  models.depth_prior = GetParam().depth_prior;
+  models.depth_prior = source_of(GetParam().depth_prior);
   models.landmark = GetParam().landmark;
-  models.collapse = GetParam().collapse;
+  models.collapse = GetParam().collapse == "drop" ? Collapse::kDrop : Collapse::kCondition;
   models.classifier.name = GetParam().classifier;
   WindowOptions one;
   one.frames = 1;
   one.iterations = 1;
-  one.linearisation = "standard";
+  one.linearisation = WindowLinearisation::kStandard;
   const auto ekf = make_ekf(setup, models, {});
   const auto window = make_window(setup, models, one);
   NoStages stages;
@@ -87,17 +91,18 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
 
 INSTANTIATE_TEST_SUITE_P(
     Models, OneFrameOf,
-    testing::Values(Case{"dynamic_inverse_depth", "drop", "thesis"},
-                    Case{"dynamic_inverse_depth", "condition", "thesis"},
-                    Case{"scaled_velocity", "drop", "thesis"},
-                    Case{"scaled_velocity", "drop", "bayes_factor", 0.02},
-                    Case{"scaled_velocity", "condition", "bayes_factor"},
-                    Case{"dynamic_inverse_depth", "drop", "thesis", 0.0, "reversible"},
-                    Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible"},
-                    Case{"dynamic_inverse_depth", "drop", "thesis", 0.0, "one_way", "map"},
-                    Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible", "map"},
-                    Case{"scaled_velocity", "drop", "thesis", 0.02, "one_way", "map"},
-                    Case{"scaled_velocity", "condition", "thesis", 0.04, "reversible", "map"}),
+    testing::Values(
+        Case{"dynamic_inverse_depth", "drop", "thesis"},
+        Case{"dynamic_inverse_depth", "condition", "thesis"},
+        Case{"scaled_velocity", "drop", "thesis"},
+        Case{"scaled_velocity", "drop", "bayes_factor", 0.02},
+        Case{"scaled_velocity", "condition", "bayes_factor"},
+        Case{"dynamic_inverse_depth", "drop", "thesis", 0.0, "reversible"},
+        Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible"},
+        Case{"dynamic_inverse_depth", "drop", "thesis", 0.0, "one_way", "empirical"},
+        Case{"scaled_velocity", "condition", "bayes_factor", 0.0, "reversible", "empirical"},
+        Case{"scaled_velocity", "drop", "thesis", 0.02, "one_way", "empirical"},
+        Case{"scaled_velocity", "condition", "thesis", 0.04, "reversible", "empirical"}),
     [](const auto& tested) {
       return tested.param.landmark + "_" + tested.param.collapse + "_" + tested.param.classifier +
              "_" + tested.param.labels + "_" + tested.param.depth_prior;
@@ -108,11 +113,12 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(OneFrame, AtTheTruthIsTheIdealEkf) {
   const Sequence sequence = simulate("circle", {{"frames", "120"}}, 3);
   Configuration configuration;
-  configuration.ekf.linearisation = configuration.window.linearisation = "ideal";
+  configuration.ekf.linearisation = FilterLinearisation::kIdeal;
+  configuration.window.linearisation = WindowLinearisation::kIdeal;
   configuration.window.frames = configuration.window.iterations = 1;
   configuration.model.gate_probability = 0.999999;
   configuration.model.classifier.name = "truth";
-  configuration.model.labels.name = "one_way";
+  configuration.model.labels.rule = LabelRule::kOneWay;
   const slammot::Setup setup = make_setup(sequence, configuration);
   const auto ekf = make_ekf(setup, configuration.model, configuration.ekf);
   const auto window = make_window(setup, configuration.model, configuration.window);
@@ -145,8 +151,8 @@ TEST(ManySteps, MakeItTheIteratedEkf) {
   WindowOptions one;
   one.frames = 1;
   one.iterations = 30;
-  one.negligible = 1e-24;
-  one.linearisation = "standard";
+  one.cost_tolerance = 1e-24;
+  one.linearisation = WindowLinearisation::kStandard;
   const auto ekf = make_ekf(setup, models, iterated);
   const auto window = make_window(setup, models, one);
   NoStages stages;
@@ -164,19 +170,19 @@ TEST(ManySteps, MakeItTheIteratedEkf) {
 }
 
 class WholeSequence : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(DepthPrior, WholeSequence, testing::Values("stated", "map"));
+INSTANTIATE_TEST_SUITE_P(DepthPrior, WholeSequence, testing::Values("fixed", "empirical"));
 
 TEST_P(WholeSequence, WindowIsTheBatch) {
   const Sequence sequence = simulate("circle", {{"frames", "20"}}, 2);
   const slammot::Setup setup = make_setup(sequence, Configuration{});
   ModelOptions models;
   models.classifier.name = "truth";
-  models.depth_prior = GetParam();
+  models.depth_prior = source_of(GetParam());
   WindowOptions whole;
   whole.frames = 1000;
   whole.iterations = 40;
-  whole.negligible = 1e-20;
-  whole.linearisation = "standard";
+  whole.cost_tolerance = 1e-20;
+  whole.linearisation = WindowLinearisation::kStandard;
   const auto window = make_window(setup, models, whole);
   const auto batch = make_batch(setup, models, whole);
   NoStages stages;

@@ -57,7 +57,7 @@ TEST(LabelTruth, IsTheClassWhereNothingElseIsKnown) {
 
 // Scenes whose movers never stop are judged by class, wherever they were last measured.
 TEST(LabelTruth, OfMoversThatNeverStopIsTheirClass) {
-  for (const char* name : {"circle", "helix", "matched"}) {
+  for (const char* name : {"circle", "helix", "model_matched"}) {
     const Sequence sequence = simulate(name, {{"frames", "120"}}, 1);
     for (const int last : {20, 119}) {
       for (const auto& [track, label] : labels_when_last_measured(sequence, last)) {
