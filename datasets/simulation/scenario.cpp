@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <stdexcept>
-
 #include "datasets/simulation/circle.h"
 #include "datasets/simulation/helix.h"
 #include "datasets/simulation/matched.h"
 #include "datasets/simulation/move_stop_move.h"
 #include "datasets/simulation/scene/parameters.h"
 #include "datasets/simulation/square.h"
+#include "models/find_row.h"
 
 namespace slammot {
 namespace {
@@ -51,17 +50,10 @@ std::span<const ScenarioRow> scenario_table() { return kScenarios; }
 Sequence simulate(std::string_view scenario, const ScenarioOverrides& overrides,
                   std::uint64_t seed) {
   if (scenario == "matched") scenario = "model_matched";  // its name until release 0.1
-  std::string known;
-  for (const ScenarioRow& row : scenario_table()) {
-    if (row.name != scenario) {
-      known += (known.empty() ? "" : ", ") + std::string(row.name);
-      continue;
-    }
-    Sequence sequence = row.simulate(row.name, overrides, seed);
-    sequence.name = fmt::format("{}-{}", scenario, seed);
-    return sequence;
-  }
-  throw std::invalid_argument(fmt::format("unknown scenario '{}' (known: {})", scenario, known));
+  const ScenarioRow& row = find_row(scenario_table(), scenario, "scenario");
+  Sequence sequence = row.simulate(row.name, overrides, seed);
+  sequence.name = fmt::format("{}-{}", scenario, seed);
+  return sequence;
 }
 
 }  // namespace slammot

@@ -1,7 +1,6 @@
 #include "models/landmarks/landmark_models.h"
 
-#include <stdexcept>
-
+#include "models/find_row.h"
 #include "models/landmarks/dynamic_inverse_depth.h"
 #include "models/landmarks/scaled_velocity.h"
 
@@ -44,10 +43,7 @@ constexpr LandmarkFunctions kTable[] = {
 std::span<const LandmarkFunctions> landmark_table() { return kTable; }
 
 const LandmarkFunctions& find_landmark(const std::string& name) {
-  for (const LandmarkFunctions& functions : landmark_table()) {
-    if (functions.name == name) return functions;
-  }
-  throw std::invalid_argument("unknown landmark model '" + name + "'");
+  return find_row(landmark_table(), name, "landmark model");
 }
 
 }  // namespace slammot
