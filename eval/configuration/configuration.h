@@ -1,4 +1,4 @@
-// Everything a run can be told. One table of keys serves YAML files, `--set key=value`, `run.yaml`
+// All settings of a run. One table of keys serves YAML files, `--set key=value`, `run.yaml`
 // and
 // `--help`; adding an option is one field and one row of that table (configuration_keys.cpp).
 //

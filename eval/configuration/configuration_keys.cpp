@@ -1,11 +1,11 @@
 // The table of configuration keys: name, help, and how each is read from and written as text.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "datasets/text/number.h"
 #include "eval/configuration/configuration.h"
 #include "eval/configuration/model_names.h"
 
@@ -23,21 +23,19 @@ constexpr Range kFromMinusOne{[](double x) { return x >= -1.0; }, "at least -1"}
 constexpr Range kInsideUnit{[](double x) { return x > 0.0 && x < 1.0; }, "between 0 and 1"};
 
 template <typename T>
-T parse_number(const std::string& text) {
-  T value{};
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(static_cast<double>(value))) {
+T parse_finite(const std::string& text) {
+  const std::optional<T> value = parse_number<T>(text);
+  if (!value || !std::isfinite(static_cast<double>(*value))) {
     const bool whole = std::is_integral_v<T>;
     throw std::invalid_argument(
         fmt::format("'{}' is not {}", text, whole ? "a whole number" : "a finite number"));
   }
-  return value;
+  return *value;
 }
 
 template <typename T>
 T parse_in(const std::string& text, const Range& range) {
-  const T value = parse_number<T>(text);
+  const T value = parse_finite<T>(text);
   if (!range.holds(static_cast<double>(value))) {
     throw std::invalid_argument(fmt::format("'{}' must be {}", text, range.text));
   }

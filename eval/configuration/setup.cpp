@@ -78,8 +78,11 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
   return setup;
 }
 
-Configuration resolve(const Sequence& sequence, Configuration configuration) {
-  const Setup setup = make_setup(sequence, configuration);
+Configuration resolve(const Sequence& sequence, const Configuration& configuration) {
+  return resolved(make_setup(sequence, configuration), configuration);
+}
+
+Configuration resolved(const Setup& setup, Configuration configuration) {
   configuration.model.depth_prior =
       learns_depths(configuration.model.depth_prior, !setup.known.empty())
           ? DepthPriorSource::kEmpirical

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <set>
 #include <sstream>
 
+#include "datasets/text/number.h"
 #include "datasets/text/yaml_map.h"
 #include "eval/configuration/registry.h"
 
@@ -230,7 +230,7 @@ class Reader {
   std::filesystem::path file_;
 };
 
-// A scenario's parameters are known only to its simulator: a short run of each tells.
+// A scenario's parameters are known only to its simulator, which checks them.
 void try_scenarios(const std::filesystem::path& file, const Study& study) {
   std::set<std::string> tried;
   for (const StudyCell& cell : study.cells) {
@@ -259,9 +259,7 @@ void check_figures(const std::filesystem::path& file, const Study& study) {
   }
   for (const StudyCell& cell : study.cells) {
     const std::string& value = cell.sweep.front().second;
-    double number = 0.0;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-    if (error != std::errc{} || end != value.data() + value.size()) {
+    if (!parse_number<double>(value)) {
       throw InputError(
           file, 0, fmt::format("figure 'classification_against_sweep': '{}' is no number", value));
     }

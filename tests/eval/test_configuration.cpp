@@ -104,8 +104,12 @@ TEST(Configuration, OldNamesAreReadAndNewOnesWritten) {
   EXPECT_EQ(c.model.depth_prior, DepthPriorSource::kEmpirical);
   for (const auto& [key, value] : key_values(c)) {
     EXPECT_EQ(with_present_names({key, value, 0}).key, key);
-    if (key == "prior.source") EXPECT_EQ(value, "empirical");
-    if (key == "policy.retain") EXPECT_EQ(value, "map");  // a name that did not change
+    if (key == "prior.source") {
+      EXPECT_EQ(value, "empirical");
+    }
+    if (key == "policy.retain") {
+      EXPECT_EQ(value, "map");  // a name that did not change
+    }
   }
   test::write_text(file, "window.negligible: 1\nwindow.cost_tolerance: 2\n");
   EXPECT_THROW(load_configuration(c, file), InputError);  // one key under two names
