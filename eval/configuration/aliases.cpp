@@ -4,33 +4,32 @@
 namespace slammot {
 namespace {
 
-struct OldKey {
+struct Renamed {
   std::string_view was, is;
 };
-constexpr OldKey kOldKeys[] = {
+
+constexpr Renamed kKeys[] = {
     {"policy.lost_after", "policy.prune_after"},
     {"policy.missed_after", "policy.prune_missed_after"},
     {"window.negligible", "window.cost_tolerance"},
 };
 
-struct OldValue {
-  std::string_view key, was, is;
-};
-constexpr OldValue kOldValues[] = {
-    {"prior.source", "stated", "fixed"},
-    {"prior.source", "map", "empirical"},
+// Values, with their key.
+constexpr Renamed kSettings[] = {
+    {"prior.source=stated", "fixed"},
+    {"prior.source=map", "empirical"},
+    {"policy.retain=window", "visible"},  // `window` is the smoother's
 };
 
 }  // namespace
 
 Assignment with_present_names(Assignment assignment) {
-  for (const OldKey& old : kOldKeys) {
-    if (assignment.key == old.was) assignment.key = old.is;
+  for (const Renamed& key : kKeys) {
+    if (assignment.key == key.was) assignment.key = key.is;
   }
-  for (const OldValue& old : kOldValues) {
-    if (assignment.key != old.key || assignment.value != old.was) continue;
-    assignment.value = old.is;
-    break;
+  const std::string setting = assignment.key + "=" + assignment.value;
+  for (const Renamed& renamed : kSettings) {
+    if (setting == renamed.was) assignment.value = renamed.is;
   }
   return assignment;
 }

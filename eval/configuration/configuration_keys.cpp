@@ -166,10 +166,19 @@ std::vector<ConfigurationKey> model_keys() {
       number("policy.prune_missed_after",
              "frames that should have shown a static landmark until it is pruned", kPositive,
              SLAMMOT_FIELD(model.policy.prune_missed_after)),
-      option<Retain>("policy.retain", "static landmarks stay in the map, or are pruned too",
-                     {{"map", Retain::kMap}, {"window", Retain::kWindow}},
+      option<Retain>("policy.retain",
+                     "static landmarks stay in the map, or are pruned as others are",
+                     {{"map", Retain::kMap}, {"visible", Retain::kWindow}},
                      SLAMMOT_FIELD(model.policy.retain)),
   };
+}
+
+std::vector<Choice<NoiseDiscretisation>> motion_choices() {
+  std::vector<Choice<NoiseDiscretisation>> choices;
+  for (const MotionRow& row : motion_table()) {
+    choices.push_back({std::string(row.name), row.discretisation});
+  }
+  return choices;
 }
 
 std::vector<ConfigurationKey> statement_keys() {
@@ -180,9 +189,7 @@ std::vector<ConfigurationKey> statement_keys() {
       number("motion.angular_acceleration", "camera noise [rad/s^2]", kNotNegative,
              SLAMMOT_FIELD(motion.angular_acceleration)),
       option<NoiseDiscretisation>("motion.discretisation", "of the camera's noise",
-                                  {{"white_noise", NoiseDiscretisation::kWhiteNoise},
-                                   {"impulse", NoiseDiscretisation::kImpulse}},
-                                  SLAMMOT_FIELD(motion.discretisation)),
+                                  motion_choices(), SLAMMOT_FIELD(motion.discretisation)),
       option<DepthPriorSource>(
           "prior.source",
           "rho0 and its sigma as given, or learnt from the landmarks in view (empirical); auto: "

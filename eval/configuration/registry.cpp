@@ -64,7 +64,7 @@ bool linearised_at_the_truth(EstimatorKind kind, const Configuration& c) {
 }  // namespace
 
 std::string_view to_string(EstimatorKind kind) {
-  constexpr std::string_view kNames[] = {"filter", "smoother", "batch", "bound"};
+  constexpr std::string_view kNames[] = {"filter", "smoother", "batch", "lower_bound"};
   return kNames[static_cast<size_t>(kind)];
 }
 

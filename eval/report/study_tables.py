@@ -55,7 +55,7 @@ def percent(part, whole):
 
 def is_bound(cell):
     """Of the Cramér-Rao bound, which estimates nothing and is compared with nothing."""
-    return cell["kind"] == "bound"
+    return cell["kind"] == "lower_bound"
 
 
 def cells_of(summary):
@@ -190,15 +190,19 @@ def metrics_table(summary):
                if any(metric_cell(m, cell, which) != metrics.UNDEFINED for _, cell in cells)]
     rows = [[group["name"], cell["label"]] + [metric_cell(m, cell, which) for m, which in columns] for group, cell in cells]
     names = [metrics.heading(m) if which != "smoothed_" else f"smoothed: {metrics.heading(m)}" for m, which in columns]
-    explained = "; ".join(f"{m.name}: {m.caption}" for m in dict.fromkeys(m for m, _ in columns))
+    explained = " ".join(f"{m.name[:1].upper()}{m.name[1:]}: {m.caption}." for m in dict.fromkeys(m for m, _ in columns))
     return Table(
         "Metrics",
-        f"Mean over the runs, or root mean square where the metric is an RMSE, with 95% bootstrap interval (2000 resamples); times: median over the runs. {explained}.",
+        f"Mean over the runs, or root mean square where the metric is an RMSE, with 95% bootstrap interval (2000 resamples); times: median over the runs. {explained}",
         ["scenario", "estimator"] + names, rows)
 
 
 def at_frames(failures):
     return "; ".join(f'seed {f["seed"]} at frame {f["frame"]}' for f in failures) or "none"
+
+
+# Names of counts in journals of release 0.1, which a study may still be merged from.
+OLD_COUNTS = {"frames": "frames_done", "offered": "measurements_offered", "admitted": "landmarks_admitted", "lost": "landmarks_lost"}
 
 
 def measurements_table(summary):
@@ -207,6 +211,7 @@ def measurements_table(summary):
         counts = cell.get("coverage")
         if not counts:
             continue
+        counts = {OLD_COUNTS.get(name, name): value for name, value in counts.items()}
         offered = counts["measurements_offered"]
         rows.append([group["name"], cell["label"], f'{counts["frames_done"]:.0f}', f"{offered:.0f}",
                      percent(counts["rejected"], offered), percent(counts["out_of_view"], offered),

@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include "datasets/text/number.h"
+#include "datasets/text/text_table.h"
 #include "datasets/text/yaml_map.h"
 #include "eval/configuration/registry.h"
 
@@ -40,8 +39,8 @@ class Reader {
 
   Study read() {
     Study study;
-    study.text = text();
-    YamlMap top(file_, load(study.text), "the file");
+    study.text = read_text_file(file_);
+    YamlMap top = load_yaml(file_, study.text);
     if (const std::string format = top.text("format"); format != "slammot-study-1") {
       top.refuse(top.take("format"), "unknown format '" + format + "' (known: slammot-study-1)");
     }
@@ -67,22 +66,6 @@ class Reader {
   }
 
  private:
-  std::string text() const {
-    std::ifstream in(file_, std::ios::binary);
-    if (!in) throw InputError(file_, 0, "cannot be read");
-    std::ostringstream out;
-    out << in.rdbuf();
-    return std::move(out).str();
-  }
-
-  YAML::Node load(const std::string& text) const {
-    try {
-      return YAML::Load(text);
-    } catch (const YAML::Exception& error) {
-      throw InputError(file_, error.mark.line + 1, error.msg);
-    }
-  }
-
   [[noreturn]] void refuse(const YAML::Node& at, const std::string& reason) const {
     throw InputError(file_, at.Mark().line + 1, reason);
   }

@@ -102,6 +102,9 @@ TEST(Configuration, OldNamesAreReadAndNewOnesWritten) {
   EXPECT_EQ(c.model.depth_prior, DepthPriorSource::kFixed);
   assign(c, {"prior.source", "map"});
   EXPECT_EQ(c.model.depth_prior, DepthPriorSource::kEmpirical);
+  assign(c, {"policy.retain", "window"});
+  EXPECT_EQ(c.model.policy.retain, Retain::kWindow);
+  assign(c, {"policy.retain", "map"});
   for (const auto& [key, value] : key_values(c)) {
     EXPECT_EQ(with_present_names({key, value, 0}).key, key);
     if (key == "prior.source") {
@@ -160,6 +163,29 @@ TEST(Registry, NamesAreKnownAndAdjustTheConfiguration) {
   EXPECT_EQ(configuration.model.labels.rule, LabelRule::kOneWay);
   find_estimator("delayed").adjust(configuration);
   EXPECT_TRUE(configuration.ekf.delayed);
+}
+
+// An estimator is compared with those of its kind; its own options decide whether it is an oracle.
+TEST(Registry, KindsAndOracles) {
+  EXPECT_EQ(find_estimator("window").kind, EstimatorKind::kSmoother);
+  EXPECT_EQ(find_estimator("delayed").kind, EstimatorKind::kFilter);
+  EXPECT_EQ(find_estimator("bound").kind, EstimatorKind::kBound);
+  Configuration configuration;
+  const auto oracle = [&](const char* name) {
+    return is_oracle(find_estimator(name), configuration);
+  };
+  EXPECT_FALSE(oracle("ekf"));
+  EXPECT_TRUE(oracle("true_labels"));
+  EXPECT_TRUE(oracle("bound"));
+  configuration.ekf.linearisation = FilterLinearisation::kIdeal;
+  EXPECT_TRUE(oracle("delayed"));
+  EXPECT_FALSE(oracle("window"));
+  configuration.window.linearisation = WindowLinearisation::kIdeal;
+  EXPECT_TRUE(oracle("window"));
+  configuration = {};
+  configuration.model.classifier.name = "truth";
+  EXPECT_TRUE(oracle("window"));
+  EXPECT_FALSE(oracle("static_world"));  // it labels by itself
 }
 
 TEST(Registry, TheBoundHasThePriorThatIsStated) {

@@ -19,7 +19,7 @@ def cell(label, error, anees, kind="filter", diverged=0, oracle=False):
 
 
 def group(name, cells, **sweep):
-    bound = cell("bound", None, None, "bound")
+    bound = cell("bound", None, None, "lower_bound")
     return {"name": name, "scenario": name, "sweep": {k.replace("scenario_", "scenario."): v for k, v in sweep.items()},
             "cells": cells + [bound]}
 
