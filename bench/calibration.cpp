@@ -1,4 +1,5 @@
-// Calibration: time-averaged ANEES of the pose on `model_matched` with true labels, where theory says 6.
+// Calibration: time-averaged ANEES of the pose on `model_matched` with true labels, where theory
+// says 6.
 //
 //   slammot_calibration --estimator batch --runs 50
 #include <tbb/parallel_for.h>

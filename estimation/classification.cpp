@@ -8,30 +8,41 @@
 
 namespace slammot {
 
-double density_at_zero(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
-  const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
+namespace {
+
+// (2 pi)^(n/2), of a Gaussian of n numbers.
+double normalisation(Eigen::Index n) {
+  return std::pow(2.0 * std::numbers::pi, 0.5 * static_cast<double>(n));
+}
+
+}  // namespace
+
+double density_at_zero(const MotionVector& mean, const MotionMatrix& covariance) {
+  const Eigen::LLT<MotionMatrix> llt(covariance);
   if (llt.info() != Eigen::Success) return 0.0;
   const double root_determinant = llt.matrixLLT().diagonal().prod();
   const double squared = llt.matrixL().solve(mean).squaredNorm();
-  return std::exp(-0.5 * squared) / (std::pow(2.0 * std::numbers::pi, 1.5) * root_determinant);
+  return std::exp(-0.5 * squared) / (normalisation(mean.size()) * root_determinant);
 }
 
-double mahalanobis_from_zero(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
-  const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
+double mahalanobis_from_zero(const MotionVector& mean, const MotionMatrix& covariance) {
+  const Eigen::LLT<MotionMatrix> llt(covariance);
   return llt.info() == Eigen::Success ? llt.matrixL().solve(mean).norm() : 0.0;
 }
 
 namespace {
 
-// Thesis 3.1.3: static when C_s > t_s (3.1), else moving when C_m > t_m (3.2).
+// Thesis 3.1.3, of the velocity: static when C_s > t_s (3.1), else moving when C_m > t_m (3.2).
 class ThesisClassifier final : public Classifier {
  public:
   explicit ThesisClassifier(const ClassifierOptions& options) : options_(options) {}
 
   Label decide(const MotionBelief& belief) const override {
-    const double C_s = belief.density_scale * density_at_zero(belief.w, belief.covariance);
+    const Eigen::Vector3d v = belief.velocity_part();
+    const Eigen::Matrix3d P = belief.velocity_covariance();
+    const double C_s = belief.density_scale * density_at_zero(v, P);
     if (C_s > options_.static_threshold) return Label::kStatic;
-    const double C_m = mahalanobis_from_zero(belief.w, belief.covariance);
+    const double C_m = mahalanobis_from_zero(v, P);
     return C_m > options_.moving_threshold ? Label::kMoving : Label::kUnknown;
   }
 
@@ -47,8 +58,9 @@ class BayesFactorClassifier final : public Classifier {
 
   Label decide(const MotionBelief& belief) const override {
     const double posterior = density_at_zero(belief.w, belief.covariance);
-    const double s = belief.prior_sigma;
-    const double prior = 1.0 / (std::pow(2.0 * std::numbers::pi, 1.5) * s * s * s);
+    double inverse_prior = normalisation(belief.w.size());
+    for (const double s : belief.prior_sigmas) inverse_prior *= s;
+    const double prior = 1.0 / inverse_prior;
     const double factor = posterior / prior;
     if (factor > options_.static_factor) return Label::kStatic;
     return factor < options_.moving_factor ? Label::kMoving : Label::kUnknown;

@@ -16,17 +16,21 @@ namespace slammot {
 // The marginal Gaussian of w (landmark.h), with w = 0 at rest.
 struct MotionBelief {
   int track = 0;
-  Eigen::Vector3d w;
-  Eigen::Matrix3d covariance;
-  double prior_sigma = 1.0;    // of each component of w at birth
-  double density_scale = 1.0;  // |dw/dv|: density of v at rest = density_scale * density of w
+  MotionVector w;
+  MotionMatrix covariance;
+  MotionVector prior_sigmas;   // of each number of w at first sight
+  double density_scale = 1.0;  // density of v at rest = density_scale * density of w's first three
+
+  // Of the first three, which say the velocity.
+  Eigen::Vector3d velocity_part() const { return w.head<3>(); }
+  Eigen::Matrix3d velocity_covariance() const { return covariance.topLeftCorner<3, 3>(); }
 };
 
 // Density of a Gaussian (mean, covariance) at zero; 0 if the covariance is not positive definite.
-double density_at_zero(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance);
+double density_at_zero(const MotionVector& mean, const MotionMatrix& covariance);
 
 // sqrt(mean' covariance^-1 mean), thesis (3.2); 0 if the covariance is not positive definite.
-double mahalanobis_from_zero(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance);
+double mahalanobis_from_zero(const MotionVector& mean, const MotionMatrix& covariance);
 
 class Classifier {
  public:

@@ -47,17 +47,17 @@ bool learns_depths(DepthPriorSource source, bool some_are_known);
 class DepthPrior {
  public:
   DepthPrior(bool learns, const LandmarkPrior& stated)
-      : learns_(learns), stated_(stated), born_(stated) {}
+      : learns_(learns), stated_(stated), of_new_(stated) {}
 
   bool learns() const { return learns_; }
-  void learn(std::span<SeenDepth> seen) { born_ = learnt_depth_prior(stated_, seen); }
+  void learn(std::span<SeenDepth> seen) { of_new_ = learnt_depth_prior(stated_, seen); }
 
-  // What is stated of a landmark born now.
-  const LandmarkPrior& born() const { return born_; }
+  // Of a landmark initialised now.
+  const LandmarkPrior& of_new() const { return of_new_; }
 
  private:
   bool learns_;
-  LandmarkPrior stated_, born_;
+  LandmarkPrior stated_, of_new_;
 };
 
 }  // namespace slammot

@@ -37,7 +37,7 @@ bool is_rejected(const TrackRecord& record, const LabelOptions& options) {
   return chi_square_tail(sum, n) < options.probability;
 }
 
-void note_freed(TrackRecord& record) {
+void note_reverted(TrackRecord& record) {
   record.label = Label::kUnknown;
   record.decision_frame.reset();
   record.rejected_in_row = 0;

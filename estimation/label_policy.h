@@ -29,7 +29,7 @@ void note_innovation(TrackRecord& record, double nis, const LabelOptions& option
 bool is_rejected(const TrackRecord& record, const LabelOptions& options);
 
 // Static no more: unknown, as at its birth.
-void note_freed(TrackRecord& record);
+void note_reverted(TrackRecord& record);
 
 // P(chi-square(2n) > x) = exp(-x/2) sum_{k<n} (x/2)^k / k!, exact for even degrees of freedom.
 double chi_square_tail(double x, int n);

@@ -13,13 +13,12 @@ LandmarkEstimate landmark_estimate(const LandmarkFunctions& model, const TrackRe
   result.position = position_world(belief.anchor, belief.y);
   result.position_covariance =
       J_position * belief.covariance.topLeftCorner<6, 6>() * J_position.transpose();
-  if (belief.covariance.rows() == 9) {
-    const Vector6d x = (Vector6d() << belief.y, belief.w).finished();
-    const Matrix36d J_velocity = model.velocity_jacobian(x);
-    result.velocity = model.velocity(x);
-    result.velocity_covariance =
-        J_velocity * belief.covariance.bottomRightCorner<6, 6>() * J_velocity.transpose();
-  }
+  if (belief.w.size() == 0) return result;
+  const LandmarkVector x = landmark_state(belief.y, belief.w);
+  const VelocityJacobian J_velocity = model.velocity_jacobian(x);
+  result.velocity = model.velocity(x);
+  result.velocity_covariance =
+      J_velocity * belief.covariance.bottomRightCorner(x.size(), x.size()) * J_velocity.transpose();
   return result;
 }
 

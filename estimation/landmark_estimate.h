@@ -6,12 +6,12 @@
 
 namespace slammot {
 
-// Joint belief of anchor (3), y (3) and, for a free landmark, w (3), in this order.
+// Joint belief of anchor (3), y (3) and, for a free landmark, w, in this order.
 struct LandmarkBelief {
   Eigen::Vector3d anchor;
   Eigen::Vector3d y;
-  Eigen::Vector3d w = Eigen::Vector3d::Zero();
-  Eigen::MatrixXd covariance;  // 6x6 or 9x9
+  MotionVector w;              // empty when static
+  Eigen::MatrixXd covariance;  // (6 + w) x (6 + w)
 };
 
 // Position (2.4) and velocity with covariances to first order; NaN at infinity and, for the

@@ -4,7 +4,8 @@
 
 namespace slammot {
 
-TrackRecord born(int track, int frame, Label label, bool first_frame, const LandmarkPrior& prior) {
+TrackRecord initialised(int track, int frame, Label label, bool first_frame,
+                        const LandmarkPrior& prior) {
   TrackRecord record;
   record.track = track;
   record.label = label;
@@ -37,18 +38,16 @@ void note_decision(TrackRecord& record, Label label, int frame) {
   record.decision_frame = frame;
 }
 
-bool is_lost(const TrackRecord& record, const TrackPolicy& policy) {
+bool is_pruned(const TrackRecord& record, const TrackPolicy& policy) {
   if (record.rejected_in_row > policy.prune_after) return true;
   if (record.missed > policy.prune_missed_after) return true;
   const bool kept_for_ever = record.label == Label::kStatic && policy.retain == Retain::kMap;
   return !kept_for_ever && record.unused_frames > policy.prune_after;
 }
 
-std::vector<Observation> admit(const std::vector<Observation>& candidates, int landmarks,
-                               int visible, const TrackPolicy& policy) {
+std::size_t room_for(int landmarks, int visible, const TrackPolicy& policy) {
   const int room = std::min(policy.max_landmarks - landmarks, policy.max_visible - visible);
-  const auto count = std::min(candidates.size(), static_cast<std::size_t>(std::max(room, 0)));
-  return {candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(count)};
+  return static_cast<std::size_t>(std::max(room, 0));
 }
 
 LandmarkEstimate report(const TrackRecord& record) {

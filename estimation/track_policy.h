@@ -1,7 +1,7 @@
-// The life of a landmark as all estimators keep it: what is remembered of each, when it is admitted
-// and when it is given up.
+// What is remembered of each landmark, when one may be initialised and when it is pruned.
 #pragma once
 
+#include <map>
 #include <vector>
 
 #include "estimation/estimator.h"
@@ -26,26 +26,28 @@ struct TrackRecord {
   std::vector<double> static_nis;  // of its latest measurements while static (label_policy.h)
 };
 
-TrackRecord born(int track, int frame, Label label, bool first_frame, const LandmarkPrior& prior);
+using TrackRecords = std::map<int, TrackRecord>;  // by track
+
+// The record of a landmark at its first pixel.
+TrackRecord initialised(int track, int frame, Label label, bool first_frame,
+                        const LandmarkPrior& prior);
 void note_accepted(TrackRecord& record, int frame);
 void note_rejected(TrackRecord& record);
 // After a frame that did not use the landmark: whether it was predicted to be in view.
 void note_unused(TrackRecord& record, bool in_view);
 void note_decision(TrackRecord& record, Label label, int frame);
 
-// Whether a landmark is given up after a frame. A landmark that is measured but keeps failing the
-// gate is given up whatever its label: its track then starts anew as an unknown landmark. A static
-// one that should be in view and is not measured any more is no landmark either: a moving point
-// frozen by a wrong label, or one that the front end no longer finds. Without this rule such ghosts
-// fill the map.
-bool is_lost(const TrackRecord& record, const TrackPolicy& policy);
+// Whether a landmark is pruned after a frame. A landmark that is measured but keeps failing the
+// gate is pruned whatever its label: its track then starts anew as an unknown landmark. So is a
+// static one that should be in view and is not measured any more: a moving point frozen by a wrong
+// label, or one that the front end no longer finds. Without this rule such ghosts fill the map.
+bool is_pruned(const TrackRecord& record, const TrackPolicy& policy);
 
-// The measurements, of tracks that are in no state yet, that become landmarks in this frame: all
-// that fit under the caps, in the order of their tracks.
-std::vector<Observation> admit(const std::vector<Observation>& candidates, int landmarks,
-                               int visible, const TrackPolicy& policy);
+// How many landmarks may be initialised in a frame that measures `visible` of the `landmarks` there
+// are.
+std::size_t room_for(int landmarks, int visible, const TrackPolicy& policy);
 
-// The record as it is reported; the estimator adds positions and velocities.
+// The record as it is reported; landmark_estimate() adds position and velocity.
 LandmarkEstimate report(const TrackRecord& record);
 
 }  // namespace slammot

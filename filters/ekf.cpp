@@ -1,23 +1,25 @@
 #include "filters/ekf.h"
 
-#include "filters/ekf_estimator.h"
+#include "estimation/frame_loop.h"
+#include "filters/ekf_belief.h"
+#include "models/initialisation.h"
 
 namespace slammot {
 
 Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options)
     : setup_(setup),
-      models_(models),
       options_(options),
-      landmark_(find_landmark(models.landmark)),
-      classifier_(make_classifier(classifier_for(landmark_, models.classifier), setup.true_labels)),
-      depth_prior_(learns_depths(models.depth_prior, !setup.known.empty()), setup.prior),
-      linearisation_(options.linearisation, landmark_, setup.truth) {
+      condition_(models.collapse == Collapse::kCondition),
+      functions_(find_landmark(models.landmark)),
+      linearisation_(options.linearisation, functions_, setup.truth) {
   if (options.deferred && options.linearisation == FilterLinearisation::kInvariant) {
     throw std::invalid_argument(
         "ekf.deferred cannot go with linearisation invariant, which changes far rows at each "
         "update");
   }
-  for (const KnownLandmark& known : setup.known) known_[known.track] = known;
+  if (options.deferred && functions_.motion != 3) {
+    throw std::invalid_argument("ekf.deferred needs a landmark model with a motion of 3 numbers");
+  }
   state_.camera = setup.initial.state;
   state_.covariance.append({}, setup.initial.sigmas().cwiseAbs2().asDiagonal().toDenseMatrix());
   const LandmarkPrior& prior = setup.prior;
@@ -28,96 +30,113 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
   }
 }
 
-// One frame of the thesis's algorithm (chapters 2 and 3).
-FrameReport Ekf::process(const Frame& frame, StageListener& stages) {
-  FrameReport report;
-  stages.begin("predict");
-  if (!timestamp_) first_frame_ = frame.index;
-  if (options_.deferred) divide(frame);
-  predict(frame);
-  admit_known(frame, report);
-
-  stages.begin("gate");
-  matches_.clear();
-  for (const Observation& z : frame.observations) {
-    if (state_.landmarks.contains(z.track)) matches_.push_back({z.track, z.pixel});
-  }
-  linearise(state_, linearisation_, setup_.camera, matches_, innovation_);
-  out_of_view_.swap(innovation_.out_of_view);
-  report.out_of_view = static_cast<int>(out_of_view_.size());
-  gate(state_, PixelGate(models_.gate_probability, setup_.pixel_sigma), innovation_, gate_);
-  accepted_ = innovation_.matches;
-  report.accepted = static_cast<int>(accepted_.size());
-  report.rejected = static_cast<int>(gate_.rejected.size());
-  report.nis_sum = gate_.nis_sum;
-
-  stages.begin("update");
-  correct();
-  learn_depths();
-
-  stages.begin("classify");
-  note(frame.index);
-  classify(frame.index);
-  stages.begin("collapse");
-  collapse();
-  take_back();
-
-  stages.begin("manage");
-  retire(report);
-  admit_new(frame, report);
-  check();
-  report.state_size = state_.size();
-  for (const auto& [track, l] : state_.landmarks) report.negative_inverse_depth += l.y.z() < 0.0;
-  return report;
-}
-
 // Thesis 2.1.1 for the camera, (2.5) for what may move; a static landmark is not predicted (3.1.3).
-void Ekf::predict(const Frame& frame) {
-  if (timestamp_ && !(frame.timestamp > *timestamp_)) {
-    throw std::invalid_argument("the time of a frame must be later than that of the one before");
-  }
-  const double dt = timestamp_ ? frame.timestamp - *timestamp_ : 0.0;
-  timestamp_ = frame.timestamp;
-  if (dt == 0.0) return;  // the first frame
-  JointCovariance& P = state_.covariance;
-  const CameraState camera_at = linearisation_.camera(state_);
-  const Matrix12d Q = camera_noise(setup_.camera_noise, camera_at, dt);
-  P.propagate({JointState::kCamera}, predict_jacobian(camera_at, dt), Q);
+void Ekf::predict(const Frame& frame, double dt, StageListener& /*stages*/) {
+  if (options_.deferred) divide(frame);
+  frame_ = frame.index;
+  ++frames_;
+  if (dt == 0.0) return;
+  const CameraState at = linearisation_.camera(state_);
+  state_.covariance.propagate({JointState::kCamera}, predict_jacobian(at, dt),
+                              camera_noise(setup_.camera_noise, at, dt));
   state_.camera = slammot::predict(state_.camera, dt);
   for (auto& [track, landmark] : state_.landmarks) {
-    if (!landmark.is_free()) continue;
-    const Vector6d at = linearisation_.landmark(state_, track);
-    const Matrix6d F = landmark_.predict_jacobian(at, dt);
-    const Vector6d x = landmark_.predict(landmark.x(), dt);
-    landmark.y = x.head<3>();
-    landmark.w = x.tail<3>();
-    const Matrix6d G =
-        landmark_.noise_root(landmark_.predict(at, dt), setup_.prior.acceleration, dt);
-    P.propagate({landmark.y_block, landmark.w_block}, F, G * G.transpose());
+    if (landmark.is_free()) predict_landmark(track, landmark, dt);
   }
   linearisation_.predicted(state_, frame.index, dt);
 }
 
-void Ekf::correct() {
+void Ekf::add_known(const KnownLandmark& known) {
+  const FilterAnchor& anchor = anchor_here();
+  const NewKnownLandmark here = initialise_known(known, anchor.position);
+  const Eigen::MatrixXd J = linearisation_.known_birth(state_, known, frame_, here).J_y_position;
+  const double variance = known.sigma * known.sigma;
+  const StateBlock block =
+      state_.covariance.append({{anchor.block, -J}}, variance * J * J.transpose());
+  insert(known.track, here.y, block);
+}
+
+void Ekf::innovations(std::span<const Observation> measured, std::vector<PixelInnovation>& result) {
+  linearise(state_, linearisation_, setup_.camera, measured, innovation_);
+  covariances(state_, innovation_, result);
+  measured_ = result.size();
+}
+
+// One update for all. `delayed`: what is not classified yet moves only itself, after the others.
+void Ekf::update(const TrackRecords& records, std::span<const Observation> accepted) {
   const double variance = setup_.pixel_sigma * setup_.pixel_sigma;
+  for (const Observation& z : accepted) state_.landmarks.at(z.track).last_used = frames_;
+  keep(accepted, innovation_);
   pending_.clear();
   if (options_.delayed) {
-    const auto is_pending = [&](const Match& m) {
-      return state_.landmarks.at(m.track).record.label == Label::kUnknown;
-    };
-    matches_.clear();
-    for (const Match& m : accepted_) (is_pending(m) ? pending_ : matches_).push_back(m);
-    linearise(state_, linearisation_, setup_.camera, matches_, innovation_);
+    counting_.clear();
+    for (const Observation& z : accepted) {
+      (records.at(z.track).label == Label::kUnknown ? pending_ : counting_).push_back(z);
+    }
+    linearise(state_, linearisation_, setup_.camera, counting_, innovation_);
   }
-  update(state_, linearisation_, setup_.camera, variance, options_.iterations, innovation_);
-  testify();
-  for (const Match& m : pending_) {
-    update_alone(state_, linearisation_, setup_.camera, m, variance, innovation_);
+  slammot::update(state_, linearisation_, setup_.camera, variance, options_.iterations,
+                  innovation_);
+  for (const Observation& z : pending_) {
+    update_alone(state_, linearisation_, setup_.camera, z, variance, alone_);
   }
 }
 
+void Ekf::leave_one_out(std::vector<LeaveOneOut>& result) {
+  result.clear();
+  nis_given_others(innovation_, nis_);
+  for (std::size_t i = 0; i < nis_.size(); ++i) {
+    result.push_back({innovation_.matches[i].track, nis_[i]});
+  }
+}
+
+void Ekf::inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) {
+  result.clear();
+  for (const int track : tracks) {
+    const FilterLandmark& landmark = state_.landmarks.at(track);
+    const StateBlock rho{landmark.y_block.offset + 2, 1};
+    result.push_back({landmark.y.z(), std::sqrt(state_.covariance.block(rho, rho)(0, 0))});
+  }
+}
+
+void Ekf::motions(std::span<const int> tracks, std::vector<MotionBelief>& result) {
+  result.clear();
+  for (const int track : tracks) {
+    const FilterLandmark& landmark = state_.landmarks.at(track);
+    MotionBelief& motion = result.emplace_back();
+    motion.track = track;
+    motion.w = landmark.w;
+    motion.covariance = state_.covariance.block(landmark.w_block, landmark.w_block);
+    motion.density_scale = functions_.density_scale(landmark.x());
+  }
+}
+
+void Ekf::collapse(std::span<const int> tracks) {
+  if (condition_) condition_on_rest(tracks);
+  for (const int track : tracks) state_.drop_motion(track);
+}
+
+void Ekf::free(int track, const LandmarkPrior& prior) {
+  state_.free_motion(track, functions_.prior_sigmas(prior));
+}
+
+void Ekf::remove(std::span<const int> tracks, const TrackRecords& /*records*/) {
+  state_.remove_landmarks(tracks);
+}
+
+// Thesis 2.1.3, (2.7): y from pixel, rotation and prior, with its full cross-covariance.
+bool Ekf::add(const Observation& z, const LandmarkPrior& prior, bool is_free) {
+  const auto here = initialise(setup_.camera, state_.camera.orientation, z.pixel,
+                               state_.scene ? state_.scene->inverse_depth : prior.inverse_depth);
+  if (!here) return false;
+  const NewLandmark at = linearisation_.birth(state_, setup_.camera, z, frame_, *here);
+  anchor_here();
+  insert(z.track, here->y, append_new(at, prior, is_free ? functions_.dim() : 3));
+  return true;
+}
+
 // Without a positive diagonal nothing that follows means anything.
-void Ekf::check() const {
+void Ekf::finish() {
   const auto diagonal = state_.covariance.diagonal();
   const StateBlock adjoint = state_.far.adjoint();  // no covariance stands there
   const auto positive = [](const auto& d) { return d.size() == 0 || d.minCoeff() >= 0.0; };
@@ -128,13 +147,32 @@ void Ekf::check() const {
 }
 
 CameraEstimate Ekf::camera() const {
-  return {timestamp_.value_or(0.0), state_.camera,
-          state_.covariance.block(JointState::kCamera, JointState::kCamera)};
+  return {0.0, state_.camera, state_.covariance.block(JointState::kCamera, JointState::kCamera)};
+}
+
+void Ekf::points(std::vector<LandmarkPoint>& result) {
+  state_.correct_far();
+  result.clear();
+  for (const auto& [track, landmark] : state_.landmarks) {
+    result.push_back({track, state_.anchors.at(landmark.anchor).position, landmark.y});
+  }
+}
+
+std::vector<LandmarkBelief> Ekf::landmarks(std::span<const int> tracks) const {
+  std::vector<LandmarkBelief> result;
+  for (const int track : tracks) {
+    const FilterLandmark& landmark = state_.landmarks.at(track);
+    result.push_back({state_.anchors.at(landmark.anchor).position, landmark.y, landmark.w,
+                      state_.marginal(landmark)});
+  }
+  return result;
 }
 
 std::unique_ptr<Estimator> make_ekf(const Setup& setup, const ModelOptions& models,
                                     const EkfOptions& options) {
-  return std::make_unique<Ekf>(setup, models, options);
+  return std::make_unique<FrameLoop>(
+      setup, models, std::make_unique<Ekf>(setup, models, options),
+      options.linearisation == FilterLinearisation::kIdeal ? setup.truth : nullptr);
 }
 
 }  // namespace slammot

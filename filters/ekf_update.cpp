@@ -18,12 +18,13 @@ using Eigen::Index;
 // the truth a measurement counts whether or not the estimate sees its landmark: what is learnt must
 // not depend on the estimate.
 std::optional<ObservedPixel> linearised(const JointState& state, const Linearisation& linearisation,
-                                        const Camera& camera, const FilterLandmark& landmark) {
+                                        const Camera& camera, int track) {
+  const FilterLandmark& landmark = state.landmarks.at(track);
   auto h = expect(camera, state.camera.position, state.camera.orientation,
                   state.anchors.at(landmark.anchor).position, landmark.y);
   if (linearisation.at_estimate() || (!h && !linearisation.at_truth())) return h;
   const CameraState at = linearisation.camera(state);
-  const Vector6d x = linearisation.landmark(state, landmark.record.track);
+  const LandmarkVector x = linearisation.landmark(state, track);
   auto there = observe(camera, at.position, at.orientation,
                        linearisation.anchor(state, landmark.anchor), Eigen::Vector3d(x.head<3>()));
   if (!there) return h;
@@ -125,18 +126,13 @@ void relinearise(const JointState& prior, const Linearisation& linearisation, co
 }  // namespace
 
 void linearise(const JointState& state, const Linearisation& linearisation, const Camera& camera,
-               const std::vector<Match>& matches, Innovation& result) {
+               std::span<const Observation> matches, Innovation& result) {
   result.matches.clear();
   result.predicted.clear();
   result.nu.clear();
-  result.out_of_view.clear();
-  result.out_of_view.reserve(matches.size());
-  for (const Match& match : matches) {
-    const auto h = linearised(state, linearisation, camera, state.landmarks.at(match.track));
-    if (!h) {
-      result.out_of_view.push_back(match.track);
-      continue;
-    }
+  for (const Observation& match : matches) {
+    const auto h = linearised(state, linearisation, camera, match.track);
+    if (!h) continue;
     result.matches.push_back(match);
     result.predicted.push_back(*h);
     result.nu.emplace_back(match.pixel - h->pixel);
@@ -144,35 +140,36 @@ void linearise(const JointState& state, const Linearisation& linearisation, cons
   fill_P_Ht(state, result);
 }
 
-void gate(const JointState& state, const PixelGate& test, Innovation& innovation, Gate& result) {
-  result.measured = innovation.matches;
-  result.nis.clear();
-  result.rejected.clear();
-  result.rejected.reserve(result.measured.size());
-  result.nis_sum = 0.0;
-  auto P_Ht = *innovation.P_Ht;
+void covariances(const JointState& state, const Innovation& z,
+                 std::vector<PixelInnovation>& result) {
+  result.clear();
+  for (std::size_t i = 0; i < z.matches.size(); ++i) {
+    const auto columns = (*z.P_Ht).middleCols<2>(static_cast<Index>(2 * i));
+    PixelInnovation& pixel = result.emplace_back();
+    pixel.z = z.matches[i];
+    pixel.nu = z.nu[i];
+    rows_of_H(state, z, i, columns, pixel.HPHt);
+  }
+}
+
+void keep(std::span<const Observation> accepted, Innovation& z) {
+  auto P_Ht = *z.P_Ht;
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < result.measured.size(); ++i) {
-    const auto columns = P_Ht.middleCols<2>(static_cast<Index>(2 * i));
-    Eigen::Matrix2d HPHt;
-    rows_of_H(state, innovation, i, columns, HPHt);
-    const double nis = test.nis(innovation.nu[i], HPHt);
-    result.nis.push_back(nis);
-    if (!test.passes(nis)) {
-      result.rejected.push_back(result.measured[i].track);
-      continue;
+  for (std::size_t i = 0; kept < accepted.size(); ++i) {
+    if (z.matches[i].track != accepted[kept].track) continue;
+    if (kept < i) {
+      z.matches[kept] = z.matches[i];
+      z.predicted[kept] = z.predicted[i];
+      z.nu[kept] = z.nu[i];
+      P_Ht.middleCols<2>(static_cast<Index>(2 * kept)) =
+          P_Ht.middleCols<2>(static_cast<Index>(2 * i));
     }
-    result.nis_sum += nis;
-    innovation.matches[kept] = innovation.matches[i];
-    innovation.predicted[kept] = innovation.predicted[i];
-    innovation.nu[kept] = innovation.nu[i];
-    if (kept < i) P_Ht.middleCols<2>(static_cast<Index>(2 * kept)) = columns;
     ++kept;
   }
-  innovation.matches.resize(kept);
-  innovation.predicted.resize(kept);
-  innovation.nu.resize(kept);
-  innovation.P_Ht.keep_columns(innovation.rows());
+  z.matches.resize(kept);
+  z.predicted.resize(kept);
+  z.nu.resize(kept);
+  z.P_Ht.keep_columns(z.rows());
 }
 
 void update(JointState& state, const Linearisation& linearisation, const Camera& camera,
@@ -209,8 +206,8 @@ void nis_given_others(Innovation& z, std::vector<double>& nis) {
 }
 
 void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,
-                  const Match& match, double pixel_variance, Innovation& memory) {
-  linearise(state, linearisation, camera, {match}, memory);
+                  const Observation& match, double pixel_variance, Innovation& memory) {
+  linearise(state, linearisation, camera, {&match, 1}, memory);
   if (memory.rows() == 0) return;
   fill_S(state, pixel_variance, memory);
   const Eigen::Matrix2d S = Eigen::Matrix2d(*memory.S).selfadjointView<Eigen::Lower>();
@@ -225,7 +222,9 @@ void update_alone(JointState& state, const Linearisation& linearisation, const C
                                   K * S * K.transpose());
   const Eigen::VectorXd own = K * memory.nu.front();
   dx.segment<3>(landmark.y_block.offset) = own.head<3>();
-  if (landmark.is_free()) dx.segment<3>(landmark.w_block.offset) = own.tail<3>();
+  if (landmark.is_free()) {
+    dx.segment(landmark.w_block.offset, landmark.w_block.dim) = own.tail(landmark.w_block.dim);
+  }
   state.move(dx);
 }
 

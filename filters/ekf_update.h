@@ -1,29 +1,22 @@
-// The measurement side of the EKF: innovations, the chi-square gate, and one update for all
+// The measurement side of the EKF: innovations, and one update for all
 // measurements of a frame. Knows nothing of how landmarks move: all models observe alike.
 #pragma once
 
-#include "estimation/gate.h"
+#include "estimation/belief.h"
 #include "filters/covariance/growing_matrix.h"
 #include "filters/linearisation.h"
 #include "models/observation.h"
 
 namespace slammot {
 
-// A measurement of a landmark that is in the state.
-struct Match {
-  int track = 0;
-  Eigen::Vector2d pixel;
-};
-
 // The measurements of a frame linearised at the state: innovation nu = z - h(x), H as its thin
 // product P H' (n x 2m). Two rows (columns) a match, in the order of the matches. Kept from frame
 // to frame for its memory.
 struct Innovation {
-  std::vector<Match> matches;
+  std::vector<Observation> matches;  // of landmarks in the state
   std::vector<ObservedPixel> predicted;
   std::vector<Eigen::Vector2d> nu;
   GrowingMatrix P_Ht;
-  std::vector<int> out_of_view;  // tracks measured whose landmark is not expected in view
 
   Eigen::Index rows() const { return 2 * std::ssize(matches); }
   Eigen::Map<Eigen::VectorXd> stacked_nu() { return {nu.data()->data(), rows()}; }
@@ -33,17 +26,14 @@ struct Innovation {
 
 // Linearises; matches whose landmark is not expected in view are left out (observation.h).
 void linearise(const JointState& state, const Linearisation& linearisation, const Camera& camera,
-               const std::vector<Match>& matches, Innovation& result);
+               std::span<const Observation> matches, Innovation& result);
 
-struct Gate {
-  std::vector<Match> measured;  // the matches of the innovation
-  std::vector<double> nis;      // of each of them
-  std::vector<int> rejected;    // tracks
-  double nis_sum = 0.0;         // over the accepted
-};
+// nu and H P H' of each match on its own.
+void covariances(const JointState& state, const Innovation& innovation,
+                 std::vector<PixelInnovation>& result);
 
-// Each match on its own; the accepted ones are left in the innovation.
-void gate(const JointState& state, const PixelGate& test, Innovation& innovation, Gate& result);
+// Only these of the matches, in their order, are left.
+void keep(std::span<const Observation> accepted, Innovation& innovation);
 
 // x and P after the measurements. `iterations` Gauss-Newton steps on the same prior (1: EKF); of
 // the innovation only the memory is left. Throws Diverged when S is not positive definite or the
@@ -59,6 +49,6 @@ void nis_given_others(Innovation& innovation, std::vector<double>& nis);
 // A measurement that moves only its own landmark, the rest of the state being considered but not
 // corrected (Schmidt's gain): what a delayed initialisation would know of it.
 void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,
-                  const Match& match, double pixel_variance, Innovation& memory);
+                  const Observation& match, double pixel_variance, Innovation& memory);
 
 }  // namespace slammot

@@ -23,7 +23,7 @@ Eigen::Vector3d Linearisation::anchor(const JointState& state, int frame) const 
   return at_estimate() ? state.anchors.at(frame).position : anchors_.at(frame);
 }
 
-Vector6d Linearisation::landmark(const JointState& state, int track) const {
+LandmarkVector Linearisation::landmark(const JointState& state, int track) const {
   return at_estimate() ? state.landmarks.at(track).x() : landmarks_.at(track);
 }
 
@@ -33,9 +33,9 @@ void Linearisation::predicted(const JointState& state, int frame, double dt) {
   camera_ = kind_ == Kind::kFej ? state.camera : true_camera(*truth_, frame);
   for (const auto& [track, landmark] : state.landmarks) {
     if (kind_ == Kind::kFej) {
-      predicted_first_estimate(state, landmark);
+      predicted_first_estimate(state, track);
     } else if (landmark.is_free()) {
-      Vector6d& x = landmarks_.at(track);
+      LandmarkVector& x = landmarks_.at(track);
       const auto truth =
           true_state(*truth_, functions_, track, frame, anchors_.at(landmark.anchor));
       x = truth ? *truth : functions_.predict(x, dt);  // out of view it has no truth
@@ -43,15 +43,18 @@ void Linearisation::predicted(const JointState& state, int frame, double dt) {
   }
 }
 
-void Linearisation::predicted_first_estimate(const JointState& state,
-                                             const FilterLandmark& landmark) {
+void Linearisation::predicted_first_estimate(const JointState& state, int track) {
   constexpr double kKnownDepth = 0.1;  // sigma_rho / rho
-  const int track = landmark.record.track;
   if (settled_.contains(track)) return;
-  landmarks_[track] = landmark.x();
+  const FilterLandmark& landmark = state.landmarks.at(track);
+  landmarks_[track] = landmark.is_free() ? landmark.x() : at_rest(landmark.y);
   const StateBlock rho{landmark.y_block.offset + 2, 1};
   const double sigma = std::sqrt(state.covariance.block(rho, rho)(0, 0));
   if (!landmark.is_free() && sigma < kKnownDepth * std::abs(landmark.y.z())) settled_.insert(track);
+}
+
+LandmarkVector Linearisation::at_rest(const Eigen::Vector3d& y) const {
+  return landmark_state(y, MotionVector::Zero(functions_.motion));
 }
 
 NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
@@ -61,9 +64,7 @@ NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
   const CameraState at = this->camera(state);
   anchors_.try_emplace(frame, at.position);
   Eigen::Vector2d pixel = z.pixel;
-  Vector6d x;
-  x << here.y, Eigen::Vector3d::Zero();
-  std::optional<Vector6d> truth;
+  std::optional<LandmarkVector> truth;
   if (kind_ == Kind::kIdeal) truth = true_state(*truth_, functions_, z.track, frame, at.position);
   if (truth) {
     const auto h = observe(camera, at.position, at.orientation, at.position,
@@ -72,8 +73,7 @@ NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
   }
   const auto born = initialise(camera, at.orientation, pixel, here.y.z());
   NewLandmark result = born ? *born : here;
-  x.head<3>() = result.y;
-  landmarks_[z.track] = truth ? *truth : x;
+  landmarks_[z.track] = truth ? *truth : at_rest(result.y);
   return result;
 }
 
@@ -82,11 +82,9 @@ NewKnownLandmark Linearisation::known_birth(const JointState& state, const Known
   if (at_estimate()) return here;
   if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(*truth_, frame);
   const Eigen::Vector3d anchor = anchors_.try_emplace(frame, camera(state).position).first->second;
-  std::optional<Vector6d> truth;
+  std::optional<LandmarkVector> truth;
   if (kind_ == Kind::kIdeal) truth = true_state(*truth_, functions_, known.track, frame, anchor);
-  Vector6d x;
-  x << here.y, Eigen::Vector3d::Zero();
-  landmarks_[known.track] = truth ? *truth : x;
+  landmarks_[known.track] = truth ? *truth : at_rest(here.y);
   if (!truth) return here;
   const Eigen::Vector3d position = position_world(anchor, truth->head<3>());
   return initialise_known({known.track, position, known.sigma}, anchor);
@@ -124,7 +122,10 @@ void invariant_reset(const JointState& before, JointState& after) {
   for (const auto& [track, landmark] : after.landmarks) {
     const FilterLandmark& old = before.landmarks.at(track);
     B.middleRows<2>(landmark.y_block.offset) = turned(landmark.y) - turned(old.y);
-    if (landmark.is_free()) moved(landmark.w_block.offset, old.w, landmark.w);
+    // Velocity, acceleration: each three numbers of w turn with the world.
+    for (int k = 0; k + 3 <= landmark.w_block.dim; k += 3) {
+      moved(landmark.w_block.offset + k, old.w.segment<3>(k), landmark.w.segment<3>(k));
+    }
   }
   const Eigen::Matrix3d R = before.camera.orientation.toRotationMatrix();
   P.add_dependence({kRotation, 3}, B * R);

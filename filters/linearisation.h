@@ -42,7 +42,7 @@ class Linearisation {
 
   CameraState camera(const JointState& state) const;
   Eigen::Vector3d anchor(const JointState& state, int frame) const;
-  Vector6d landmark(const JointState& state, int track) const;
+  LandmarkVector landmark(const JointState& state, int track) const;
 
   // Whether the landmark's point no longer asks for its covariance.
   bool is_settled(int track) const { return kind_ != Kind::kFej || settled_.contains(track); }
@@ -64,7 +64,8 @@ class Linearisation {
  private:
   using Kind = FilterLinearisation;
 
-  void predicted_first_estimate(const JointState& state, const FilterLandmark& landmark);
+  LandmarkVector at_rest(const Eigen::Vector3d& y) const;
+  void predicted_first_estimate(const JointState& state, int track);
   void forget_what_left(const JointState& state);
 
   Kind kind_;
@@ -72,7 +73,7 @@ class Linearisation {
   std::shared_ptr<const Truth> truth_;
   std::optional<CameraState> camera_;  // none before the first prediction: the estimate
   std::map<int, Eigen::Vector3d> anchors_;
-  std::map<int, Vector6d> landmarks_;
+  std::map<int, LandmarkVector> landmarks_;
   std::set<int> settled_;  // fej: static landmarks whose point no longer moves
 };
 

@@ -51,6 +51,7 @@ struct LandmarkPrior {
   double mean_sigma = 0.0;            // of rho0 itself, the same error for all [1/m]; 0: known
   double max_speed = 2.0;             // |v|max [m/s]; sigma_v = |v|max / 2, thesis (2.6)
   double acceleration = 1.0;          // sigma of unknown and moving landmarks' noise [m/s^2]
+  double jerk = 1.0;                  // the same of models with an acceleration [m/s^3]
 
   double velocity_sigma() const { return max_speed / 2.0; }
 };

@@ -1,8 +1,10 @@
 #include "smoothers/batch.h"
 
+#include "estimation/frame_loop.h"
 #include "smoothers/graph/factors.h"
 #include "smoothers/solver/ceres_solve.h"
-#include "smoothers/window/window_estimator.h"
+#include "smoothers/window/robust_loss.h"
+#include "smoothers/window/window_belief.h"
 
 namespace slammot {
 
@@ -13,7 +15,7 @@ constexpr int kMaxIterations = 300;
 
 // A landmark in the batch's graph.
 struct BatchLandmark : LandmarkVariables {
-  LandmarkLife life;
+  TrackHistory history;
 };
 
 }  // namespace
@@ -21,28 +23,33 @@ struct BatchLandmark : LandmarkVariables {
 class Batch final : public Estimator {
  public:
   Batch(const Setup& setup, const ModelOptions& models, const WindowOptions& front)
-      : setup_(setup), models_(models), window_(setup, models, front), graph_(false) {
-    window_.record_lives_ = true;
-    scene_ = add_scene(graph_, setup.prior);
+      : setup_(setup),
+        functions_(find_landmark(models.landmark)),
+        loss_(make_loss(front.loss)),
+        graph_(false),
+        scene_(add_scene(graph_, setup.prior)) {
+    auto window = std::make_unique<Window>(setup, models, front, &histories_);
+    window_ = window.get();
+    front_ = std::make_unique<FrameLoop>(setup, models, std::move(window), truth_of(setup, front));
   }
 
   FrameReport process(const Frame& frame, StageListener& stages) override {
-    FrameReport report = window_.process(frame, stages);
+    FrameReport report = front_->process(frame, stages);
     timestamps_.push_back(frame.timestamp);
     return report;
   }
-  CameraEstimate camera() const override { return window_.camera(); }
+  CameraEstimate camera() const override { return front_->camera(); }
   std::vector<LandmarkEstimate> landmarks() const override {
-    return landmarks_ ? *landmarks_ : window_.landmarks();
+    return landmarks_ ? *landmarks_ : front_->landmarks();
   }
   std::vector<LandmarkEstimate> landmarks_measured(int index) const override {
-    return window_.landmarks_measured(index);
+    return front_->landmarks_measured(index);
   }
   std::vector<CameraEstimate> smoothed(StageListener& stages) override;
 
  private:
   void add_cameras();
-  void add_landmark(const LandmarkLife& life);
+  void add_landmark(const TrackHistory& history);
   void add_chain(BatchLandmark& landmark);
   void leave_out_poles();
   double refresh_noises();  // of all landmarks
@@ -50,8 +57,11 @@ class Batch final : public Estimator {
   LandmarkEstimate estimate(const BatchLandmark& landmark, const NormalEquations& equations) const;
 
   Setup setup_;
-  ModelOptions models_;
-  Window window_;
+  const LandmarkFunctions& functions_;
+  std::unique_ptr<ceres::LossFunction> loss_;
+  TrackHistories histories_;
+  const Window* window_ = nullptr;  // in the front
+  std::unique_ptr<FrameLoop> front_;
   std::vector<double> timestamps_;
   Graph graph_;
   MotionManifold motion_manifold_;
@@ -62,9 +72,7 @@ class Batch final : public Estimator {
 };
 
 void Batch::add_cameras() {
-  std::vector<CameraState> states;
-  for (const auto& [timestamp, x] : window_.left_) states.push_back(x);
-  for (const WindowFrame& f : window_.frames_) states.push_back(window_.state(f));
+  const std::vector<CameraState> states = window_->all_cameras();
   for (std::size_t i = 0; i < states.size(); ++i) {
     Eigen::VectorXd position(3), motion(kMotionSize);
     camera_to_blocks(states[i], position.data(), motion.data());
@@ -81,49 +89,48 @@ void Batch::add_cameras() {
   }
 }
 
-void Batch::add_landmark(const LandmarkLife& life) {
-  if (life.pixels.empty()) return;
+void Batch::add_landmark(const TrackHistory& history) {
+  if (history.pixels.empty()) return;
   const int owner = static_cast<int>(all_.size());  // a track may have had several lives
   BatchLandmark& l = all_.emplace_back();
-  l.life = life;
-  l.anchor = positions_[static_cast<std::size_t>(life.birth)];
-  l.y = graph_.add_variable(life.states.front().head<3>(), nullptr, owner);
-  // What the window stated of it at its birth, which it may have learnt: the same information.
-  if (life.known) {
-    const auto known = window_.known_.at(life.record.track);
-    graph_.add_factor({l.anchor, l.y}, known_landmark_cost(known));
+  l.history = history;
+  l.anchor = positions_[static_cast<std::size_t>(history.first)];
+  l.y = graph_.add_variable(history.states.front().head<3>(), nullptr, owner);
+  // The window's birth priors, which it may have learnt: the same information.
+  if (history.known) {
+    const auto known = std::ranges::find(setup_.known, history.record.track, &KnownLandmark::track);
+    graph_.add_factor({l.anchor, l.y}, known_landmark_cost(*known));
   } else {
     if (scene_) {
-      graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(life.record.prior));
+      graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(history.record.prior));
     } else {
-      graph_.add_factor({l.y}, inverse_depth_prior_cost(life.record.prior));
+      graph_.add_factor({l.y}, inverse_depth_prior_cost(history.record.prior));
     }
   }
-  if (life.is_free()) {
-    l.w = graph_.add_variable(life.states.front().tail<3>(), nullptr, owner);
+  if (history.is_free()) {
+    l.w = graph_.add_variable(history.states.front().tail(functions_.motion), nullptr, owner);
     add_chain(l);
   }
-  for (const auto& [frame, pixel] : life.pixels) {
+  for (const auto& [frame, pixel] : history.pixels) {
     const auto k = static_cast<std::size_t>(frame);
-    add_pixel(graph_, l, {positions_[k], motions_[k], pixel, l.w ? frame - life.birth : 0},
-              setup_.camera, setup_.pixel_sigma, window_.loss_.get());
+    add_pixel(graph_, l, {positions_[k], motions_[k], pixel, l.w ? frame - history.first : 0},
+              setup_.camera, setup_.pixel_sigma, loss_.get());
   }
 }
 
 void Batch::add_chain(BatchLandmark& l) {
-  const double sigma = window_.functions_.prior_sigma(l.life.record.prior);
-  graph_.add_factor({*l.w}, motion_prior_cost(sigma));
-  l.chain = std::make_shared<Chain>(Chain{&window_.functions_, {}});
-  const int steps = l.life.pixels.back().first - l.life.birth;
+  graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigmas(l.history.record.prior)));
+  l.chain = std::make_shared<Chain>(Chain{&functions_, {}});
+  const int steps = l.history.pixels.back().first - l.history.first;
   for (int i = 0; i < steps; ++i) {
-    const auto k = static_cast<std::size_t>(l.life.birth) + static_cast<std::size_t>(i);
-    l.chain->steps.push_back({timestamps_[k + 1] - timestamps_[k], Matrix6d::Zero()});
+    const auto k = static_cast<std::size_t>(l.history.first) + static_cast<std::size_t>(i);
+    l.chain->steps.push_back({timestamps_[k + 1] - timestamps_[k], {}});
   }
   const auto count = static_cast<std::ptrdiff_t>(steps) + 1;
-  const std::vector<Vector6d> x(l.life.states.begin(), l.life.states.begin() + count);
-  for (const Vector6d& n : lead_through(*l.chain, x, setup_.prior.acceleration)) {
+  const std::vector<LandmarkVector> x(l.history.states.begin(), l.history.states.begin() + count);
+  for (const LandmarkVector& n : lead_through(*l.chain, x, setup_.prior)) {
     l.noises.push_back(graph_.add_variable(n, nullptr, graph_.variables().at(l.y).owner));
-    graph_.add_factor({l.noises.back()}, noise_prior_cost());
+    graph_.add_factor({l.noises.back()}, noise_prior_cost(functions_.dim()));
   }
 }
 
@@ -145,7 +152,7 @@ void Batch::leave_out_poles() {
 double Batch::refresh_noises() {
   double change = 0.0;
   for (const BatchLandmark& l : all_) {
-    change = std::max(change, slammot::refresh_noises(graph_, l, setup_.prior.acceleration));
+    change = std::max(change, slammot::refresh_noises(graph_, l, setup_.prior));
   }
   return change;
 }
@@ -169,10 +176,8 @@ void Batch::solve() {
 std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
   stages.begin("batch");
   add_cameras();
-  for (const LandmarkLife& life : window_.ended_lives_) add_landmark(life);
-  for (const auto& [track, landmark] : window_.landmarks_) {
-    add_landmark(window_.life_so_far(landmark));
-  }
+  window_->end_histories(front_->records());
+  for (const TrackHistory& history : histories_.ended()) add_landmark(history);
   solve();
   stages.begin("batch_covariances");
   graph_.linearise();
@@ -191,11 +196,11 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
 }
 
 LandmarkEstimate Batch::estimate(const BatchLandmark& l, const NormalEquations& equations) const {
-  LandmarkForm made = landmark_form(graph_, l);
-  const std::vector<LinearForm> forms{std::move(made.form)};
+  LandmarkMarginal made = landmark_marginal(graph_, l);
+  const std::vector<StateProjection> forms{std::move(made.projection)};
   made.belief.covariance = equations.covariances(forms).front();
-  LandmarkEstimate estimate = landmark_estimate(window_.functions_, l.life.record, made.belief);
-  if (l.w) estimate.state_frame = l.life.record.last_frame;  // where its chain ends
+  LandmarkEstimate estimate = landmark_estimate(functions_, l.history.record, made.belief);
+  if (l.w) estimate.state_frame = l.history.record.last_frame;  // where its chain ends
   return estimate;
 }
 

@@ -29,9 +29,6 @@ EXCEPTIONS = {
         r"filters/ekf_options\.h|smoothers/window/window_options\.h"),
 }
 
-# Folders whose sub-folders may still include each other in a circle.
-CYCLES_ALLOWED = {"smoothers"}
-
 # Libraries that only some folders may know.
 LIBRARIES = {
     "ceres/": {"smoothers"},
@@ -119,7 +116,7 @@ class Layering(unittest.TestCase):
 
     def test_no_cycle_among_subfolders(self):
         files = {path.relative_to(ROOT).as_posix(): path.read_text() for path in sources()}
-        for top in sorted(set(MAY_KNOW) - CYCLES_ALLOWED):
+        for top in MAY_KNOW:
             mine = {path: text for path, text in files.items() if path.startswith(top + "/")}
             with self.subTest(folder=top):
                 self.assertEqual(cycle_in(arrows_of(mine)), [])

@@ -4,6 +4,7 @@
 
 #include "datasets/simulation/circle.h"
 #include "datasets/simulation/helix.h"
+#include "datasets/simulation/manoeuvres.h"
 #include "datasets/simulation/matched.h"
 #include "datasets/simulation/move_stop_move.h"
 #include "datasets/simulation/scene/parameters.h"
@@ -39,6 +40,8 @@ constexpr ScenarioRow kScenarios[] = {
         "helix_unobservable", "the same from a camera at constant velocity (thesis 3.1.4)"),
     scenario_row<MoveStopMoveOptions, simulate_move_stop_move>(
         "move_stop_move", "the circle with objects that stop and go, and some parked at first"),
+    scenario_row<ManoeuvresOptions, simulate_manoeuvres>(
+        "manoeuvres", "the circle with movers half of which turn and brake all the time"),
     scenario_row<MatchedOptions, simulate_matched>(
         "model_matched", "everything drawn from the models themselves, to calibrate consistency"),
 };

@@ -208,6 +208,15 @@ void JointCovariance::subtract_alone(std::initializer_list<StateBlock> b, const 
   scatter(b, own);
 }
 
+void JointCovariance::close_gap(StateBlock b) {
+  for (int j = b.end(); j < size_; ++j) {  // from left to right, so that nothing is overwritten
+    auto to = storage_.col(j - b.dim);
+    to.head(b.offset) = storage_.col(j).head(b.offset);
+    to.segment(b.offset, j + 1 - b.end()) = storage_.col(j).segment(b.end(), j + 1 - b.end());
+  }
+  size_ -= b.dim;
+}
+
 std::optional<StateBlock> JointCovariance::remove(StateBlock b) {
   size_ -= b.dim;
   if (b.offset == size_) return std::nullopt;

@@ -85,6 +85,9 @@ class JointCovariance {
   void subtract_alone(std::initializer_list<StateBlock> b, const Eigen::MatrixXd& C,
                       const Block& D);
 
+  // Cuts out a block; the rows behind it move up. Copies all of them: remove() does not.
+  void close_gap(StateBlock b);
+
   // Cuts out a block. Where another then moves into its place, the place that one had before.
   std::optional<StateBlock> remove(StateBlock b);
 

@@ -1,5 +1,7 @@
 #include "filters/covariance/joint_state.h"
 
+#include <algorithm>
+
 namespace slammot {
 
 void JointState::move(Eigen::Ref<const Eigen::VectorXd> dx) {
@@ -11,7 +13,7 @@ void JointState::move(Eigen::Ref<const Eigen::VectorXd> dx) {
   for (auto& [track, landmark] : landmarks) {
     if (landmark.is_far()) continue;
     landmark.y += dx.segment<3>(landmark.y_block.offset);
-    if (landmark.is_free()) landmark.w += dx.segment<3>(landmark.w_block.offset);
+    if (landmark.is_free()) landmark.w += dx.segment(landmark.w_block.offset, landmark.w_block.dim);
   }
   if (!far.empty()) far.correct(dx.segment(far.adjoint().offset, far.adjoint().dim));
 }
@@ -32,13 +34,34 @@ void JointState::follow(StateBlock from, StateBlock to) {
   }
 }
 
-// Another block may move into its place.
+bool JointState::is_last(int dim) const {
+  const int end = covariance.size();
+  const auto ends_it = [&](StateBlock b) { return !b.far && b.end() == end && b.dim == dim; };
+  return std::ranges::any_of(anchors, [&](const auto& a) { return ends_it(a.second.block); }) ||
+         std::ranges::any_of(landmarks, [&](const auto& l) {
+           return ends_it(l.second.y_block) || ends_it(l.second.w_block);
+         });
+}
+
+// The last block moves into its place; where that has another size, all rows behind it move up.
 void JointState::remove_block(StateBlock block) {
+  if (!block.far && !is_last(block.dim)) {
+    covariance.close_gap(block);
+    const auto moved_up = [&](StateBlock& b) {
+      if (!b.far && b.dim > 0 && b.offset > block.offset) b.offset -= block.dim;
+    };
+    for (auto& [frame, anchor] : anchors) moved_up(anchor.block);
+    for (auto& [track, landmark] : landmarks) {
+      moved_up(landmark.y_block);
+      moved_up(landmark.w_block);
+    }
+    return;
+  }
   const auto moved = block.far ? far.remove(block) : covariance.remove(block);
   if (moved) follow(*moved, block);
 }
 
-void JointState::remove_landmarks(const std::vector<int>& tracks) {
+void JointState::remove_landmarks(std::span<const int> tracks) {
   for (const int track : tracks) {
     const auto landmark = landmarks.find(track);
     drop_motion(track);
@@ -57,13 +80,15 @@ void JointState::drop_motion(int track) {
   FilterLandmark& landmark = landmarks.at(track);
   if (!landmark.is_free()) return;
   const StateBlock w = landmark.w_block;
-  landmark.w.setZero();
+  landmark.w.resize(0);
   landmark.w_block = {};
   remove_block(w);
 }
 
-void JointState::free_motion(int track, double sigma) {
-  landmarks.at(track).w_block = covariance.append({}, sigma * sigma * Eigen::Matrix3d::Identity());
+void JointState::free_motion(int track, const MotionVector& sigmas) {
+  FilterLandmark& landmark = landmarks.at(track);
+  landmark.w.setZero(sigmas.size());
+  landmark.w_block = covariance.append({}, sigmas.cwiseAbs2().asDiagonal().toDenseMatrix());
 }
 
 }  // namespace slammot

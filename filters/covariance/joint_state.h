@@ -2,17 +2,17 @@
 //
 // Landmarks born in one frame share one anchor: its rows are identical for all of them for ever, so
 // they are stored once. Layout of the error state: camera 12, the scene's depth (1) when it is to
-// be learnt, the adjoint of the far part where there is one (far_part.h), then places of 3 in any
-// order: an anchor, the y of a landmark, the w of a free one.
+// be learnt, the adjoint of the far part where there is one (far_part.h), then in any order an
+// anchor (3), the y of a landmark (3), the w of a free one.
 #pragma once
 
 #include <map>
 #include <optional>
+#include <span>
 
-#include "estimation/track_policy.h"
 #include "filters/covariance/far_part.h"
 #include "filters/covariance/joint_covariance.h"
-#include "models/camera_state.h"
+#include "models/landmarks/landmark.h"
 
 namespace slammot {
 
@@ -23,17 +23,17 @@ struct FilterAnchor {
 };
 
 struct FilterLandmark {
-  TrackRecord record;
-  int anchor = 0;                               // key of JointState::anchors
-  Eigen::Vector3d y;                            // (theta, phi, rho)
-  Eigen::Vector3d w = Eigen::Vector3d::Zero();  // motion, of the landmark model; zero when static
+  int anchor = 0;     // key of JointState::anchors
+  int last_used = 0;  // the frame, counted by the filter
+  Eigen::Vector3d y;  // (theta, phi, rho)
+  MotionVector w;     // motion, of the landmark model; empty when static
   StateBlock y_block;
   StateBlock w_block;  // empty when static
 
   bool is_free() const { return w_block.dim > 0; }
   bool is_far() const { return y_block.far; }
   int dim() const { return y_block.dim + w_block.dim; }
-  Vector6d x() const { return (Vector6d() << y, w).finished(); }
+  LandmarkVector x() const { return landmark_state(y, w); }
 };
 
 // The mean inverse depth of the scene at first sight, when it is to be learnt: all landmarks'
@@ -77,18 +77,19 @@ struct JointState {
   void correct_far();
 
   // Removes landmarks, and anchors that nobody uses any more.
-  void remove_landmarks(const std::vector<int>& tracks);
+  void remove_landmarks(std::span<const int> tracks);
 
   // A landmark becomes static: its motion is dropped from the state (its rows are marginalised).
   void drop_motion(int track);
 
-  // A static landmark is free again, with w ~ N(0, sigma^2 I).
-  void free_motion(int track, double sigma);
+  // A static landmark is free again, with w ~ N(0, diag(sigmas)^2).
+  void free_motion(int track, const MotionVector& sigmas);
 
  private:
   // The rows of `from` are now those of `to`.
   void follow(StateBlock from, StateBlock to);
   void remove_block(StateBlock block);
+  bool is_last(int dim) const;  // whether the last rows are one block of this size
   StateBlock bring_back(StateBlock block);
 };
 

@@ -10,6 +10,7 @@ namespace slammot {
 
 struct DynamicInverseDepth {
   static constexpr std::string_view kName = "dynamic_inverse_depth";
+  static constexpr int kMotion = 3;
 
   template <typename T>
   static Vector6<T> predict(const Vector6<T>& x, double dt) {
@@ -35,6 +36,9 @@ struct DynamicInverseDepth {
     return F;
   }
 
+  static Matrix6d metric_noise_root(const LandmarkPrior& prior, double dt) {
+    return acceleration_noise_root(prior.acceleration, dt);
+  }
   static Matrix6d noise_jacobian(const Vector6d& x) {
     Matrix6d J = Matrix6d::Identity();
     J.topLeftCorner<3, 3>() = noise_jacobian_static(x.head<3>());
@@ -51,7 +55,9 @@ struct DynamicInverseDepth {
     return v;
   }
   static double density_scale(const Vector6d&) { return 1.0; }
-  static double prior_sigma(const LandmarkPrior& prior) { return prior.velocity_sigma(); }
+  static Eigen::Vector3d prior_sigmas(const LandmarkPrior& prior) {
+    return Eigen::Vector3d::Constant(prior.velocity_sigma());
+  }
 };
 
 static_assert(LandmarkModel<DynamicInverseDepth>);

@@ -1,8 +1,10 @@
 // What a model of a possibly moving landmark must provide, and what such models have in common.
 //
 // The state of a free (unknown or moving) landmark is x = (y, w): y = (theta, phi, rho) as in
-// inverse_depth.h, and three numbers w that say how it moves, w = 0 meaning that it is at rest.
-// Estimators are templates over this concept; a model is one file and one row of landmark_models.h.
+// inverse_depth.h, and the numbers w that say how it moves, as many as the model wants. w = 0 means
+// that it is at rest, and the first three of w are its velocity or a multiple of it.
+// A model is one file with fixed sizes and one row of landmark_models.h; estimators use the row,
+// whose sizes are known at run time and bounded, so that nothing is allocated.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -14,29 +16,61 @@
 
 namespace slammot {
 
+inline constexpr int kMaxMotion = 9;                 // numbers of w
+inline constexpr int kMaxLandmark = 3 + kMaxMotion;  // of (y, w)
+
+template <int Rows, int Cols, int MaxRows, int MaxCols>
+using BoundedMatrix = Eigen::Matrix<double, Rows, Cols, Eigen::ColMajor, MaxRows, MaxCols>;
+using LandmarkVector = BoundedMatrix<Eigen::Dynamic, 1, kMaxLandmark, 1>;
+using LandmarkMatrix = BoundedMatrix<Eigen::Dynamic, Eigen::Dynamic, kMaxLandmark, kMaxLandmark>;
+using MotionVector = BoundedMatrix<Eigen::Dynamic, 1, kMaxMotion, 1>;
+using MotionMatrix = BoundedMatrix<Eigen::Dynamic, Eigen::Dynamic, kMaxMotion, kMaxMotion>;
+using VelocityJacobian = BoundedMatrix<3, Eigen::Dynamic, 3, kMaxLandmark>;
+
+// (y, w) in one.
+inline LandmarkVector landmark_state(const Eigen::Vector3d& y, const MotionVector& w) {
+  LandmarkVector x(3 + w.size());
+  x << y, w;
+  return x;
+}
+
 template <typename T>
 using Vector6 = Eigen::Matrix<T, 6, 1>;
 using Matrix36d = Eigen::Matrix<double, 3, 6>;
 
+// Of a model's own sizes.
 template <typename M>
-concept LandmarkModel = requires(const Vector6d& x, const Eigen::Vector3d& v, double dt,
+inline constexpr int kLandmarkDim = 3 + M::kMotion;
+template <typename M, typename T = double>
+using StateOf = Eigen::Matrix<T, kLandmarkDim<M>, 1>;
+template <typename M>
+using JacobianOf = Eigen::Matrix<double, kLandmarkDim<M>, kLandmarkDim<M>>;
+template <typename M>
+using VelocityJacobianOf = Eigen::Matrix<double, 3, kLandmarkDim<M>>;
+
+template <typename M>
+concept LandmarkModel = requires(const StateOf<M>& x, const Eigen::Vector3d& v, double dt,
                                  const LandmarkPrior& prior) {
   { M::kName } -> std::convertible_to<std::string_view>;
-  // x after dt at constant velocity, thesis (2.5), and its Jacobian.
-  { M::predict(x, dt) } -> std::convertible_to<Vector6d>;
-  { M::predict_jacobian(x, dt) } -> std::convertible_to<Matrix6d>;
-  // d x / d(position, velocity in W) at x: carries acceleration noise from metres into the state.
-  { M::noise_jacobian(x) } -> std::convertible_to<Matrix6d>;
+  { M::kMotion } -> std::convertible_to<int>;  // numbers of w, 3 to kMaxMotion
+  // x after dt without noise, thesis (2.5), and its Jacobian.
+  { M::predict(x, dt) } -> std::convertible_to<StateOf<M>>;
+  { M::predict_jacobian(x, dt) } -> std::convertible_to<JacobianOf<M>>;
+  // The noise of one step in metres: the root of the covariance of (position, velocity, ..) in W,
+  // and d x / d(position, velocity, ..) at x, which carries it into the state.
+  { M::metric_noise_root(prior, dt) } -> std::convertible_to<JacobianOf<M>>;
+  { M::noise_jacobian(x) } -> std::convertible_to<JacobianOf<M>>;
   // Velocity in W [m/s] and its Jacobian; not finite where rho = 0 makes it so.
   { M::velocity(x) } -> std::convertible_to<Eigen::Vector3d>;
-  { M::velocity_jacobian(x) } -> std::convertible_to<Matrix36d>;
-  // w of a landmark at y with the velocity v in W.
-  { M::motion_of(v, v) } -> std::convertible_to<Eigen::Vector3d>;
-  // |dw/dv| at rest: turns a density of w into a density of v.
+  { M::velocity_jacobian(x) } -> std::convertible_to<VelocityJacobianOf<M>>;
+  // w of a landmark at y with the velocity v in W, which it keeps.
+  { M::motion_of(v, v) } -> std::convertible_to<Eigen::Matrix<double, M::kMotion, 1>>;
+  // |dw/dv| at rest, of the first three of w: turns a density of these into one of v.
   { M::density_scale(x) } -> std::convertible_to<double>;
-  // The prior standard deviation of each component of w, thesis (2.6).
-  { M::prior_sigma(prior) } -> std::convertible_to<double>;
-};
+  // The prior standard deviation of each number of w, thesis (2.6).
+  { M::prior_sigmas(prior) } -> std::convertible_to<Eigen::Matrix<double, M::kMotion, 1>>;
+}
+&&M::kMotion >= 3 && M::kMotion <= kMaxMotion;
 
 // d(theta, phi, rho) / d(position in W), per metre, at y: moving the point by p moves the scaled
 // ray G by rho p, and rho' = rho / |G + rho p|.
@@ -48,20 +82,25 @@ inline Eigen::Matrix3d noise_jacobian_static(const Eigen::Vector3d& y) {
   return J;
 }
 
-// G with Q = G G' for one step of a free landmark, 6x6: Wiener noise of acceleration sigma_a
-// [m/s^2] per axis in (position, velocity), carried into x at the predicted state. At rho = 0 the
-// noise of a bearing vanishes, so that Q is singular there; neither the filter nor the smoother
-// inverts it.
-template <LandmarkModel M>
-Matrix6d landmark_noise_root(const Vector6d& predicted, double sigma_a, double dt) {
+// The root of Wiener noise of acceleration sigma_a [m/s^2] per axis in (position, velocity), 6x6:
+// what models of constant velocity have for metric_noise_root().
+inline Matrix6d acceleration_noise_root(double sigma_a, double dt) {
   const Eigen::Matrix2d L = white_noise_pattern(dt).llt().matrixL();
-  Matrix6d L_metric = Matrix6d::Zero();
+  Matrix6d root = Matrix6d::Zero();
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j <= i; ++j) {
-      L_metric.block<3, 3>(3 * i, 3 * j).diagonal().setConstant(sigma_a * L(i, j));
+      root.block<3, 3>(3 * i, 3 * j).diagonal().setConstant(sigma_a * L(i, j));
     }
   }
-  return M::noise_jacobian(predicted) * L_metric;
+  return root;
+}
+
+// G with Q = G G' for one step of a free landmark, at the predicted state. At rho = 0 the noise of
+// a bearing vanishes, so that Q is singular there; neither the filter nor the smoother inverts it.
+template <LandmarkModel M>
+JacobianOf<M> landmark_noise_root(const StateOf<M>& predicted, const LandmarkPrior& prior,
+                                  double dt) {
+  return M::noise_jacobian(predicted) * M::metric_noise_root(prior, dt);
 }
 
 }  // namespace slammot

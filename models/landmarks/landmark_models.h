@@ -14,16 +14,45 @@ struct LandmarkFunctions {
   std::string_view name;
   std::string_view description;
   bool can_move = true;  // false: every landmark is static, whatever the classifier says
+  int motion = 3;        // numbers of w
 
-  Vector6d (*predict)(const Vector6d& x, double dt);
-  Matrix6d (*predict_jacobian)(const Vector6d& x, double dt);
-  Matrix6d (*noise_root)(const Vector6d& predicted, double sigma_a, double dt);
-  Eigen::Vector3d (*motion_of)(const Eigen::Vector3d& y, const Eigen::Vector3d& v);
-  double (*density_scale)(const Vector6d& x);
-  double (*prior_sigma)(const LandmarkPrior& prior);
-  Eigen::Vector3d (*velocity)(const Vector6d& x);
-  Matrix36d (*velocity_jacobian)(const Vector6d& x);
+  int dim() const { return 3 + motion; }  // of x = (y, w)
+
+  // As the members of the concept LandmarkModel; `noise_root` is landmark_noise_root().
+  LandmarkVector (*predict)(const LandmarkVector& x, double dt);
+  LandmarkMatrix (*predict_jacobian)(const LandmarkVector& x, double dt);
+  LandmarkMatrix (*noise_root)(const LandmarkVector& predicted, const LandmarkPrior& prior,
+                               double dt);
+  MotionVector (*motion_of)(const Eigen::Vector3d& y, const Eigen::Vector3d& v);
+  double (*density_scale)(const LandmarkVector& x);
+  MotionVector (*prior_sigmas)(const LandmarkPrior& prior);
+  Eigen::Vector3d (*velocity)(const LandmarkVector& x);
+  VelocityJacobian (*velocity_jacobian)(const LandmarkVector& x);
 };
+
+// The row of a model.
+template <LandmarkModel M>
+constexpr LandmarkFunctions landmark_row(std::string_view description) {
+  using X = StateOf<M>;
+  return {M::kName,
+          description,
+          true,
+          M::kMotion,
+          [](const LandmarkVector& x, double dt) -> LandmarkVector { return M::predict(X(x), dt); },
+          [](const LandmarkVector& x, double dt) -> LandmarkMatrix {
+            return M::predict_jacobian(X(x), dt);
+          },
+          [](const LandmarkVector& x, const LandmarkPrior& prior, double dt) -> LandmarkMatrix {
+            return landmark_noise_root<M>(X(x), prior, dt);
+          },
+          [](const Eigen::Vector3d& y, const Eigen::Vector3d& v) -> MotionVector {
+            return M::motion_of(y, v);
+          },
+          [](const LandmarkVector& x) { return M::density_scale(X(x)); },
+          [](const LandmarkPrior& prior) -> MotionVector { return M::prior_sigmas(prior); },
+          [](const LandmarkVector& x) -> Eigen::Vector3d { return M::velocity(X(x)); },
+          [](const LandmarkVector& x) -> VelocityJacobian { return M::velocity_jacobian(X(x)); }};
+}
 
 std::span<const LandmarkFunctions> landmark_table();
 

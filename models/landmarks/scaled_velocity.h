@@ -11,6 +11,7 @@ namespace slammot {
 
 struct ScaledVelocity {
   static constexpr std::string_view kName = "scaled_velocity";
+  static constexpr int kMotion = 3;
 
   template <typename T>
   static Vector6<T> predict(const Vector6<T>& x, double dt) {
@@ -36,6 +37,9 @@ struct ScaledVelocity {
     return F;
   }
 
+  static Matrix6d metric_noise_root(const LandmarkPrior& prior, double dt) {
+    return acceleration_noise_root(prior.acceleration, dt);
+  }
   // u = rho v: moving the point changes rho and with it u, hence the coupling.
   static Matrix6d noise_jacobian(const Vector6d& x) {
     const double rho = x(2);
@@ -57,9 +61,10 @@ struct ScaledVelocity {
     return y.z() * v;
   }
   static double density_scale(const Vector6d& x) { return std::abs(x(2) * x(2) * x(2)); }
-  static double prior_sigma(const LandmarkPrior& prior) {
+  static Eigen::Vector3d prior_sigmas(const LandmarkPrior& prior) {
     const double rho = std::hypot(prior.inverse_depth, prior.inverse_depth_sigma, prior.mean_sigma);
-    return rho * prior.velocity_sigma();  // root mean square of rho, as stated before any learning
+    // rho is the root mean square, as stated before any learning.
+    return Eigen::Vector3d::Constant(rho * prior.velocity_sigma());
   }
 };
 

@@ -14,16 +14,14 @@ const CameraState& true_camera(const Truth& truth, int frame) {
   return camera->second;
 }
 
-std::optional<Vector6d> true_state(const Truth& truth, const LandmarkFunctions& functions,
-                                   int track, int frame, const Eigen::Vector3d& anchor) {
+std::optional<LandmarkVector> true_state(const Truth& truth, const LandmarkFunctions& functions,
+                                         int track, int frame, const Eigen::Vector3d& anchor) {
   const auto landmark = truth.landmarks.find(track);
   if (landmark == truth.landmarks.end()) return std::nullopt;
   const TruePoint* point = landmark->second.at(frame);
   if (point == nullptr) return std::nullopt;
-  Vector6d x;
-  x << inverse_depth_of(Eigen::Vector3d(point->position - anchor)), Eigen::Vector3d::Zero();
-  x.tail<3>() = functions.motion_of(x.head<3>(), point->velocity);
-  return x;
+  const Eigen::Vector3d y = inverse_depth_of(Eigen::Vector3d(point->position - anchor));
+  return landmark_state(y, functions.motion_of(y, point->velocity));
 }
 
 }  // namespace slammot

@@ -11,8 +11,9 @@ namespace slammot {
 // Throws std::invalid_argument when the frame has none.
 const CameraState& true_camera(const Truth& truth, int frame);
 
-// (y, w) as the landmark model has it, seen from `anchor` (W); nothing where it is not known.
-std::optional<Vector6d> true_state(const Truth& truth, const LandmarkFunctions& functions,
-                                   int track, int frame, const Eigen::Vector3d& anchor);
+// (y, w) at a constant velocity as the landmark model has it, seen from `anchor` (W); nothing where
+// it is not known.
+std::optional<LandmarkVector> true_state(const Truth& truth, const LandmarkFunctions& functions,
+                                         int track, int frame, const Eigen::Vector3d& anchor);
 
 }  // namespace slammot

@@ -1,6 +1,6 @@
-// The camera as Ceres parameter blocks: its position (3, Euclidean, which lives on as the anchor of
-// the landmarks born in its frame) and its motion (q, v, omega), 10 numbers with 9 degrees of
-// freedom [dtheta (C, right), dv (W), domega (C)], in the error convention of camera_state.h.
+// The camera as Ceres parameter blocks: its position in the world (3, Euclidean), which stays as
+// the anchor of landmarks first seen there; and its motion (q, v, omega), 10 numbers with 9 degrees
+// of freedom [dtheta (C, right), dv (W), domega (C)], in the error convention of camera_state.h.
 #pragma once
 
 #include <ceres/manifold.h>

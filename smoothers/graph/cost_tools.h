@@ -21,6 +21,14 @@ void write(double** jacobians, int block, const Eigen::Matrix<double, Rows, Cols
   out = J;
 }
 
+// The same for any number of rows and columns.
+template <typename Derived>
+void write_any(double** jacobians, int block, const Eigen::MatrixBase<Derived>& J) {
+  if (!jacobians || !jacobians[block]) return;
+  Eigen::Map<RowMajor<Eigen::Dynamic, Eigen::Dynamic>> out{jacobians[block], J.rows(), J.cols()};
+  out = J;
+}
+
 // The same for the camera's motion, lifted from its 9 degrees of freedom.
 template <int Rows>
 void write_motion(double** jacobians, int block, const double* motion,

@@ -153,20 +153,27 @@ class ScenePriorCost final : public ceres::SizedCostFunction<1, 1> {
   LandmarkPrior prior_;
 };
 
-// x / sigma of any Euclidean block.
-template <int N>
-class ZeroMeanCost final : public ceres::SizedCostFunction<N, N> {
+// x / sigma, number by number.
+class ZeroMeanCost final : public ceres::CostFunction {
  public:
-  explicit ZeroMeanCost(double sigma) : sigma_(sigma) {}
+  explicit ZeroMeanCost(const Eigen::VectorXd& sigmas) : sigmas_(sigmas) {
+    const auto dim = static_cast<int>(sigmas.size());
+    set_num_residuals(dim);
+    *mutable_parameter_block_sizes() = {dim};
+  }
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    using Vector = Eigen::Matrix<double, N, 1>;
-    Eigen::Map<Vector>(residuals, N) = Eigen::Map<const Vector>(x[0]) / sigma_;
-    write<N, N>(jacobians, 0, Eigen::Matrix<double, N, N>::Identity() / sigma_);
+    const Eigen::Index dim = sigmas_.size();
+    Eigen::Map<Eigen::VectorXd>(residuals, dim) =
+        Eigen::Map<const Eigen::VectorXd>(x[0], dim).cwiseQuotient(sigmas_);
+    if (!jacobians || !jacobians[0]) return true;
+    Eigen::Map<Eigen::MatrixXd> J(jacobians[0], dim, dim);
+    J.setZero();
+    J.diagonal() = sigmas_.cwiseInverse();
     return true;
   }
 
  private:
-  double sigma_;
+  Eigen::VectorXd sigmas_;
 };
 
 class KnownLandmarkCost final : public ceres::SizedCostFunction<3, 3, 3> {
@@ -215,9 +222,13 @@ Cost scene_prior_cost(const LandmarkPrior& prior) {
   return std::make_unique<ScenePriorCost>(prior);
 }
 
-Cost motion_prior_cost(double sigma) { return std::make_unique<ZeroMeanCost<3>>(sigma); }
+Cost motion_prior_cost(const MotionVector& sigmas) {
+  return std::make_unique<ZeroMeanCost>(sigmas);
+}
 
-Cost noise_prior_cost() { return std::make_unique<ZeroMeanCost<6>>(1.0); }
+Cost noise_prior_cost(int dim) {
+  return std::make_unique<ZeroMeanCost>(Eigen::VectorXd::Ones(dim));
+}
 
 Cost known_landmark_cost(const KnownLandmark& known) {
   return std::make_unique<KnownLandmarkCost>(known);

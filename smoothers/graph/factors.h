@@ -1,5 +1,5 @@
 // The factors of the graph as Ceres cost functions. Each wraps the function of models/ that the
-// filter calls, value and Jacobian, and adds only its weight: no equation stands here.
+// filter calls, value and Jacobian, and adds only its weight.
 //
 // Blocks: camera position (3) and motion (10, camera_manifold.h), anchor (3), y = (theta, phi, rho)
 // (3), w (3). Jacobians are computed in error states and lifted to the ambient space of the blocks
@@ -12,7 +12,7 @@
 
 #include "models/camera.h"
 #include "models/camera_motion.h"
-#include "models/measurement.h"
+#include "models/landmarks/landmark.h"
 
 namespace slammot {
 
@@ -29,24 +29,25 @@ Cost camera_motion_cost(const Matrix12d& Q, double dt);
 // motion, anchor, y.
 Cost pixel_cost(const Camera& camera, const Eigen::Vector2d& pixel, double sigma);
 
-// The same in the frame of the landmark's birth, where its anchor is the camera. Blocks: motion, y.
+// The same in the frame where the landmark was initialised: its anchor is the camera's position.
+// Blocks: motion, y.
 Cost first_pixel_cost(const Camera& camera, const Eigen::Vector2d& pixel, double sigma);
 
 // (rho - rho0) / sigma_rho. Block: y.
 Cost inverse_depth_prior_cost(const LandmarkPrior& prior);
 
-// (rho - m) / sigma_rho, where the mean m of the scene's inverse depths is a variable. Blocks: y,
-// m.
+// (rho - m) / sigma_rho, where the mean m of the scene's inverse depths is a variable of size 1.
+// Blocks: y, m.
 Cost shared_inverse_depth_cost(const LandmarkPrior& prior);
 
 // (m - rho0) / mean_sigma. Block: m.
 Cost scene_prior_cost(const LandmarkPrior& prior);
 
-// w / sigma, 3 residuals. Block: w.
-Cost motion_prior_cost(double sigma);
+// w / sigma, number by number. Block: w.
+Cost motion_prior_cost(const MotionVector& sigmas);
 
-// n, 6 residuals: the unit noise of a landmark's chain. Block: n.
-Cost noise_prior_cost();
+// n, `dim` residuals: the unit noise of a landmark's chain. Block: n.
+Cost noise_prior_cost(int dim);
 
 // (a + G/rho - X) / sigma, 3 residuals. Blocks: anchor, y.
 Cost known_landmark_cost(const KnownLandmark& known);

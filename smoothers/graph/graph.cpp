@@ -1,9 +1,7 @@
 #include "smoothers/graph/graph.h"
 
-#include <algorithm>
 #include <cmath>
-
-#include "models/so3.h"
+#include <stdexcept>
 
 namespace slammot {
 
@@ -18,23 +16,10 @@ using RowMajorSmall =
 
 }  // namespace
 
-SmallVector plus(const ceres::Manifold* manifold, const SmallVector& x, const SmallVector& d) {
-  if (!manifold) return x + d;
-  SmallVector y(x.size());
-  manifold->Plus(x.data(), d.data(), y.data());
-  return y;
-}
-
-SmallVector minus(const ceres::Manifold* manifold, const SmallVector& y, const SmallVector& x) {
-  if (!manifold) return y - x;
-  SmallVector d(manifold->TangentSize());
-  manifold->Minus(y.data(), x.data(), d.data());
-  return d;
-}
-
 VariableId Graph::add_variable(const Eigen::VectorXd& value, const ceres::Manifold* manifold,
                                int owner) {
   Variable& variable = variables_[next_variable_];
+  variable.id = next_variable_;
   variable.value = value;
   variable.manifold = manifold;
   variable.owner = owner;
@@ -58,58 +43,78 @@ FactorId Graph::add_factor(std::vector<VariableId> variables,
 }
 
 void Graph::remove_variables(const std::set<VariableId>& ids) {
-  std::vector<VariableId> far;
   for (const VariableId id : ids) {
-    variables_.erase(id);
-    if (far_.contains(id)) far.push_back(id);
-    resting_.erase(id);
+    if (prior_.active.find(id)) throw std::logic_error("the prior still touches this variable");
+    const bool was_active = variables_.erase(id) > 0;
+    if (!was_active && prior_.inactive.contains(id)) prior_.inactive.forget({id});
   }
-  far_.forget(far);
 }
 
-void Graph::forget_first_estimate(VariableId id) { variables_.at(id).first.reset(); }
+void Graph::reactivate(const std::vector<VariableId>& ids) {
+  if (ids.empty()) return;
+  auto back = prior_.inactive.reactivate(ids, prior_.active.difference());
+  std::vector<Variable*> variables;
+  for (Variable& v : back.variables) variables.push_back(&(variables_[v.id] = std::move(v)));
+  prior_.active.join(variables, back.mean, back.K, back.U);
+}
+
+SmallVector Graph::value(VariableId id) const {
+  const auto active = variables_.find(id);
+  return active != variables_.end() ? active->second.value
+                                    : prior_.inactive.value(id, prior_.active.difference());
+}
+
+std::map<VariableId, SmallVector> values(const Graph& graph) {
+  auto values = graph.prior().inactive.values(graph.prior().active.difference());
+  for (const auto& [id, v] : graph.variables()) values[id] = v.value;
+  return values;
+}
 
 double Graph::linearise() {
-  double sum = prior_square(prior_difference());
+  double sum = prior_.active.square();
   for (auto& [id, factor] : factors_) sum += linearise(factor);
   return 0.5 * sum;
 }
 
-double Graph::linearise(Factor& factor) {
-  const std::size_t n = factor.at.size();
+// The residual at the values, and the Jacobians at the linearisation points.
+bool Graph::evaluate(Factor& factor) {
   const int rows = factor.cost->num_residuals();
   std::size_t size = 0;
   for (const Variable* v : factor.at) size += static_cast<std::size_t>(rows * v->value.size());
   ambient_.resize(size);
-  here_.clear();
-  there_.clear();
+  values_.clear();
+  points_.clear();
   jacobians_.clear();
-  bool at_first = false;
+  bool elsewhere = false;
   double* next = ambient_.data();
   for (const Variable* v : factor.at) {
-    here_.push_back(v->value.data());
-    there_.push_back(v->first ? v->first->data() : here_.back());
-    at_first = at_first || v->first;
+    values_.push_back(v->value.data());
+    points_.push_back(v->point().data());
+    elsewhere = elsewhere || v->linearisation_point;
     jacobians_.push_back(next);
     next += rows * v->value.size();
   }
   factor.r.resize(rows);
-  factor.valid = factor.cost->Evaluate(there_.data(), factor.r.data(), jacobians_.data());
-  if (at_first) {
-    factor.valid = factor.cost->Evaluate(here_.data(), factor.r.data(), nullptr) && factor.valid;
-  }
+  const bool valid = factor.cost->Evaluate(points_.data(), factor.r.data(), jacobians_.data());
+  if (!elsewhere) return valid;
+  return factor.cost->Evaluate(values_.data(), factor.r.data(), nullptr) && valid;
+}
+
+double Graph::linearise(Factor& factor) {
+  factor.valid = evaluate(factor);
+  const Eigen::Index rows = factor.r.size();
   factor.J.resize(rows, factor.offset.back());
   if (!factor.valid) {
     factor.J.setZero();
     factor.r.setZero();
     return 0.0;
   }
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < factor.at.size(); ++i) {
     const Variable& v = *factor.at[i];
     const Eigen::Map<RowMajorMatrix> ambient(jacobians_[i], rows, v.value.size());
     if (v.manifold) {
       RowMajorSmall P(v.value.size(), v.dim());
-      v.manifold->PlusJacobian(there_[i], P.data());
+      v.manifold->PlusJacobian(points_[i], P.data());
       factor.jacobian(i) = ambient.lazyProduct(P);
     } else {
       factor.jacobian(i) = ambient;
@@ -125,10 +130,6 @@ double Graph::linearise(Factor& factor) {
   return rho[0];
 }
 
-double Graph::prior_square(const Eigen::VectorXd& difference) const {
-  return prior_.cols() == 0 ? 0.0 : (prior_.R * difference + prior_.r).squaredNorm();
-}
-
 double Graph::cost(const Step& step) {
   for (auto& [id, v] : variables_) v.candidate = v.value;
   for (const auto& [id, d] : step) {
@@ -139,10 +140,10 @@ double Graph::cost(const Step& step) {
   SmallVector r;
   for (const auto& [id, factor] : factors_) {
     if (!factor.valid) continue;
-    here_.clear();
-    for (const Variable* v : factor.at) here_.push_back(v->candidate.data());
+    values_.clear();
+    for (const Variable* v : factor.at) values_.push_back(v->candidate.data());
     r.resize(factor.cost->num_residuals());
-    if (!factor.cost->Evaluate(here_.data(), r.data(), nullptr)) {
+    if (!factor.cost->Evaluate(values_.data(), r.data(), nullptr)) {
       sum += kImpossible;
       continue;
     }
@@ -150,23 +151,10 @@ double Graph::cost(const Step& step) {
     if (factor.loss) factor.loss->Evaluate(r.squaredNorm(), rho);
     sum += rho[0];
   }
-  Eigen::VectorXd d(prior_.cols());
-  for (std::size_t i = 0; i < prior_.variables.size(); ++i) {
-    const Variable& v = variables_.at(prior_.variables[i]);
-    d.segment(prior_.offsets[i], v.dim()) = minus(v.manifold, v.candidate, prior_.x0[i]);
-  }
-  return 0.5 * (sum + prior_square(d));
+  return 0.5 * (sum + prior_.active.square(&Variable::candidate));
 }
 
-SmallMatrix Graph::transport(const Variable& v, const SmallVector& x0) const {
-  SmallMatrix T = SmallMatrix::Identity(v.dim(), v.dim());
-  if (!v.manifold || first_estimates_) return T;
-  const SmallVector d = minus(v.manifold, v.value, x0);
-  T.topLeftCorner<3, 3>() = inverse_right_jacobian_so3(d.head<3>());
-  return T;
-}
-
-void Graph::move(const Step& step) {
+void Graph::retract(const Step& step) {
   for (auto& [id, v] : variables_) {
     v.correction.setZero(v.dim());
     v.turn.reset();
@@ -176,7 +164,9 @@ void Graph::move(const Step& step) {
     const SmallVector before = v.value;
     v.value = plus(v.manifold, v.value, d);
     v.correction = d;
-    if (v.manifold) v.turn = transport(v, before).topLeftCorner<3, 3>();
+    if (v.manifold && !prior_.first_estimates()) {
+      v.turn = transport(v, before).topLeftCorner<3, 3>();
+    }
   }
   for (auto& [id, factor] : factors_) {
     for (std::size_t i = 0; i < factor.at.size(); ++i) {

@@ -8,25 +8,26 @@
 
 namespace slammot {
 
-ChainState propagate(const Chain& chain, const Vector6d& base,
-                     const std::vector<Vector6d>& noises) {
+ChainState propagate(const Chain& chain, const LandmarkVector& base,
+                     const std::vector<LandmarkVector>& noises) {
   const auto n = static_cast<Eigen::Index>(noises.size());
-  ChainState state{base, Eigen::MatrixXd::Zero(6, 6 * (1 + n))};
-  state.J.leftCols<6>().setIdentity();
+  const Eigen::Index dim = base.size();
+  ChainState state{base, Eigen::MatrixXd::Zero(dim, dim * (1 + n))};
+  state.J.leftCols(dim).setIdentity();
   for (Eigen::Index j = 0; j < n; ++j) {
     const auto k = static_cast<std::size_t>(j);
     const ChainStep& step = chain.steps[k];
-    const Matrix6d F = chain.landmark->predict_jacobian(state.x, step.dt);
+    const LandmarkMatrix F = chain.landmark->predict_jacobian(state.x, step.dt);
     state.x = chain.landmark->predict(state.x, step.dt) + step.G * noises[k];
-    state.J.leftCols(6 * (j + 1)) = (F * state.J.leftCols(6 * (j + 1))).eval();
-    state.J.middleCols<6>(6 * (j + 1)) = step.G;
+    state.J.leftCols(dim * (j + 1)) = (F * state.J.leftCols(dim * (j + 1))).eval();
+    state.J.middleCols(dim * (j + 1), dim) = step.G;
   }
   return state;
 }
 
-std::vector<Vector6d> states(const Chain& chain, const Vector6d& base,
-                             const std::vector<Vector6d>& noises) {
-  std::vector<Vector6d> x{base};
+std::vector<LandmarkVector> states(const Chain& chain, const LandmarkVector& base,
+                                   const std::vector<LandmarkVector>& noises) {
+  std::vector<LandmarkVector> x{base};
   for (std::size_t i = 0; i < noises.size(); ++i) {
     const ChainStep& step = chain.steps[i];
     x.push_back(chain.landmark->predict(x.back(), step.dt) + step.G * noises[i]);
@@ -34,14 +35,14 @@ std::vector<Vector6d> states(const Chain& chain, const Vector6d& base,
   return x;
 }
 
-std::vector<Vector6d> lead_through(Chain& chain, const std::vector<Vector6d>& states,
-                                   double sigma_a) {
-  std::vector<Vector6d> noises;
-  Vector6d x = states.front();
+std::vector<LandmarkVector> lead_through(Chain& chain, const std::vector<LandmarkVector>& states,
+                                         const LandmarkPrior& prior) {
+  std::vector<LandmarkVector> noises;
+  LandmarkVector x = states.front();
   for (std::size_t i = 0; i + 1 < states.size(); ++i) {
     ChainStep& step = chain.steps[i];
     x = chain.landmark->predict(x, step.dt);
-    step.G = chain.landmark->noise_root(x, sigma_a, step.dt);
+    step.G = chain.landmark->noise_root(x, prior, step.dt);
     // The least noise that does it best: G is singular at infinity.
     noises.push_back(step.G.completeOrthogonalDecomposition().solve(states[i + 1] - x));
     x += step.G * noises.back();
@@ -49,19 +50,15 @@ std::vector<Vector6d> lead_through(Chain& chain, const std::vector<Vector6d>& st
   return noises;
 }
 
-ChainState static_state(const Eigen::Vector3d& y) {
-  ChainState state{Vector6d::Zero(), Eigen::MatrixXd::Zero(6, 3)};
-  state.x.head<3>() = y;
-  state.J.topRows<3>().setIdentity();
-  return state;
-}
+ChainState static_state(const Eigen::Vector3d& y) { return {y, Eigen::Matrix3d::Identity()}; }
 
 ChainPixelCost::ChainPixelCost(const Camera& camera, const Eigen::Vector2d& pixel, double sigma,
                                std::shared_ptr<const Chain> chain, int depth)
     : camera_(camera), pixel_(pixel), sigma_(sigma), chain_(std::move(chain)), depth_(depth) {
   set_num_residuals(2);
-  *mutable_parameter_block_sizes() = {3, kMotionSize, 3, 3, 3};
-  for (int i = 0; i < depth; ++i) mutable_parameter_block_sizes()->push_back(6);
+  const LandmarkFunctions& landmark = *chain_->landmark;
+  *mutable_parameter_block_sizes() = {3, kMotionSize, 3, 3, landmark.motion};
+  for (int i = 0; i < depth; ++i) mutable_parameter_block_sizes()->push_back(landmark.dim());
 }
 
 // The Jacobians are carried back along the chain, from the pixel to the base: two rows through each
@@ -69,12 +66,13 @@ ChainPixelCost::ChainPixelCost(const Camera& camera, const Eigen::Vector2d& pixe
 bool ChainPixelCost::Evaluate(double const* const* x, double* residuals, double** jacobians) const {
   using Block = Eigen::Map<const Eigen::Vector3d>;
   const auto depth = static_cast<std::size_t>(depth_);
-  std::vector<Vector6d> states(depth + 1);
-  states[0] << Block(x[3]), Block(x[4]);
+  std::vector<LandmarkVector> states(depth + 1);
+  const int dim = chain_->landmark->dim();
+  states[0] = landmark_state(Block(x[3]), Eigen::Map<const Eigen::VectorXd>(x[4], dim - 3));
   for (std::size_t i = 0; i < depth; ++i) {
     const ChainStep& step = chain_->steps[i];
     states[i + 1] = chain_->landmark->predict(states[i], step.dt) +
-                    step.G * Eigen::Map<const Vector6d>(x[5 + i]);
+                    step.G * Eigen::Map<const Eigen::VectorXd>(x[5 + i], dim);
   }
   const CameraState c = camera_from_blocks(x[0], x[1]);
   const auto h = observe(camera_, c.position, c.orientation, Block(x[2]),
@@ -87,15 +85,16 @@ bool ChainPixelCost::Evaluate(double const* const* x, double* residuals, double*
   write<2, 3>(jacobians, 0, h->J_pose.leftCols<3>() / sigma_);
   write_motion<2>(jacobians, 1, x[1], J_motion);
   write<2, 3>(jacobians, 2, h->J_anchor / sigma_);
-  Eigen::Matrix<double, 2, 6> J = Eigen::Matrix<double, 2, 6>::Zero();
+  BoundedMatrix<2, Eigen::Dynamic, 2, kMaxLandmark> J;
+  J.setZero(2, dim);
   J.leftCols<3>() = h->J_y / sigma_;
   for (std::size_t i = depth; i-- > 0;) {
     const ChainStep& step = chain_->steps[i];
-    write<2, 6>(jacobians, static_cast<int>(5 + i), J * step.G);
+    write_any(jacobians, static_cast<int>(5 + i), J * step.G);
     J = (J * chain_->landmark->predict_jacobian(states[i], step.dt)).eval();
   }
   write<2, 3>(jacobians, 3, J.leftCols<3>());
-  write<2, 3>(jacobians, 4, J.rightCols<3>());
+  write_any(jacobians, 4, J.rightCols(dim - 3));
   return true;
 }
 

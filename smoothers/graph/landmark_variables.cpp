@@ -6,35 +6,43 @@ namespace slammot {
 
 namespace {
 
-Vector6d base_state(const Graph& graph, const LandmarkVariables& l) {
-  return (Vector6d() << graph.value(l.y), graph.value(*l.w)).finished();
+LandmarkVector base_state(const Graph& graph, const LandmarkVariables& l) {
+  return landmark_state(graph.value(l.y), graph.value(*l.w));
 }
 
-std::vector<Vector6d> noise_values(const Graph& graph, const LandmarkVariables& l) {
-  std::vector<Vector6d> values;
+std::vector<LandmarkVector> noise_values(const Graph& graph, const LandmarkVariables& l) {
+  std::vector<LandmarkVector> values;
   for (const VariableId n : l.noises) values.emplace_back(graph.value(n));
   return values;
 }
 
 // The newest state's Jacobian where those of the factors are taken.
 Eigen::MatrixXd jacobian_at_points(const Graph& graph, const LandmarkVariables& l) {
-  Vector6d base;
-  base << graph.point(l.y), graph.point(*l.w);
-  std::vector<Vector6d> noises;
-  for (const VariableId n : l.noises) noises.emplace_back(graph.point(n));
+  const LandmarkVector base =
+      landmark_state(linearisation_point(graph, l.y), linearisation_point(graph, *l.w));
+  std::vector<LandmarkVector> noises;
+  for (const VariableId n : l.noises) noises.emplace_back(linearisation_point(graph, n));
   return propagate(*l.chain, base, noises).J;
 }
 
 }  // namespace
 
-std::vector<Vector6d> chain_states(const Graph& graph, const LandmarkVariables& l) {
+std::optional<VariableId> add_scene(Graph& graph, const LandmarkPrior& prior) {
+  if (!(prior.mean_sigma > 0.0)) return std::nullopt;
+  const VariableId scene =
+      graph.add_variable(Eigen::VectorXd::Constant(1, prior.inverse_depth), nullptr, -1);
+  graph.add_factor({scene}, scene_prior_cost(prior));
+  return scene;
+}
+
+std::vector<LandmarkVector> chain_states(const Graph& graph, const LandmarkVariables& l) {
   return states(*l.chain, base_state(graph, l), noise_values(graph, l));
 }
 
 ChainState newest_state(const Graph& graph, const LandmarkVariables& l) {
   if (!l.w) return static_state(graph.value(l.y));
   ChainState state = propagate(*l.chain, base_state(graph, l), noise_values(graph, l));
-  if (graph.first_estimates()) state.J = jacobian_at_points(graph, l);
+  if (graph.prior().first_estimates()) state.J = jacobian_at_points(graph, l);
   return state;
 }
 
@@ -45,29 +53,29 @@ std::vector<VariableId> state_variables(const LandmarkVariables& l) {
   return variables;
 }
 
-double refresh_noises(Graph& graph, const LandmarkVariables& l, double sigma_a) {
+double refresh_noises(Graph& graph, const LandmarkVariables& l, const LandmarkPrior& prior) {
   if (!l.w) return 0.0;
-  const std::vector<Vector6d> noises = lead_through(*l.chain, chain_states(graph, l), sigma_a);
+  const std::vector<LandmarkVector> noises = lead_through(*l.chain, chain_states(graph, l), prior);
   double change = 0.0;
   for (std::size_t i = 0; i < noises.size(); ++i) {
     change = std::max(change, (noises[i] - graph.value(l.noises[i])).cwiseAbs().maxCoeff());
-    graph.set_value(l.noises[i], noises[i]);
+    graph.variable(l.noises[i]).value = noises[i];
   }
   return change;
 }
 
-LandmarkForm landmark_form(const Graph& graph, const LandmarkVariables& l) {
+LandmarkMarginal landmark_marginal(const Graph& graph, const LandmarkVariables& l) {
   const ChainState state = newest_state(graph, l);
-  const Eigen::Index dim = l.w ? 6 : 3;
-  LandmarkForm result;
+  const Eigen::Index dim = state.x.size();
+  LandmarkMarginal result;
   result.belief.anchor = graph.value(l.anchor);
   result.belief.y = state.x.head<3>();
-  result.belief.w = state.x.tail<3>();
-  result.form.variables = state_variables(l);
-  result.form.variables.insert(result.form.variables.begin(), l.anchor);
-  result.form.J.setZero(3 + dim, 3 + state.J.cols());
-  result.form.J.topLeftCorner<3, 3>().setIdentity();
-  result.form.J.bottomRightCorner(dim, state.J.cols()) = state.J.topRows(dim);
+  result.belief.w = state.x.tail(state.x.size() - 3);
+  result.projection.variables = state_variables(l);
+  result.projection.variables.insert(result.projection.variables.begin(), l.anchor);
+  result.projection.J.setZero(3 + dim, 3 + state.J.cols());
+  result.projection.J.topLeftCorner<3, 3>().setIdentity();
+  result.projection.J.bottomRightCorner(dim, state.J.cols()) = state.J.topRows(dim);
   return result;
 }
 

@@ -6,7 +6,7 @@
 
 #include "estimation/landmark_estimate.h"
 #include "smoothers/graph/landmark_chain.h"
-#include "smoothers/solver/normal_equations.h"
+#include "smoothers/graph/state_projection.h"
 
 namespace slammot {
 
@@ -18,31 +18,41 @@ struct LandmarkVariables {
   std::vector<VariableId> noises;  // of the chain's steps
 };
 
-// The states (y, w) from the base to the end of the chain.
-std::vector<Vector6d> chain_states(const Graph& graph, const LandmarkVariables& landmark);
+// The mean inverse depth of the scene with its prior; nothing when it is known (mean_sigma = 0).
+std::optional<VariableId> add_scene(Graph& graph, const LandmarkPrior& prior);
 
-// The last of them with its Jacobian, taken where the factors' are, and the variables that this one
-// stands for.
+// The states (y, w) from the base to the end of the chain, at the current estimate. For a free
+// landmark only.
+std::vector<LandmarkVector> chain_states(const Graph& graph, const LandmarkVariables& landmark);
+
+// The newest state at the current estimate, with its Jacobian (3 rows when static) with respect to
+// state_variables(), taken at their linearisation points as in the factors. A static landmark may
+// be inactive.
 ChainState newest_state(const Graph& graph, const LandmarkVariables& landmark);
+
+// y, and while the landmark is free w and the noises of its chain.
 std::vector<VariableId> state_variables(const LandmarkVariables& landmark);
 
-// The noises follow the landmark's depth (lead_through); the largest change of one, in sigmas.
-double refresh_noises(Graph& graph, const LandmarkVariables& landmark, double sigma_a);
+// Renews G of the chain and the noises, so that the states stay (lead_through). Returns the largest
+// change of a noise, in sigmas; 0 for a static landmark.
+double refresh_noises(Graph& graph, const LandmarkVariables& landmark, const LandmarkPrior& prior);
 
-// What a landmark's estimate is made of: its belief but for the covariance, and the form that gives
-// this, over the anchor and the newest state.
-struct LandmarkForm {
+// What a landmark's estimate is made of: its belief without the covariance, and the projection
+// whose covariance that is, on the anchor and the newest state (6 rows when static, else 9).
+struct LandmarkMarginal {
   LandmarkBelief belief;
-  LinearForm form;
+  StateProjection projection;
 };
-LandmarkForm landmark_form(const Graph& graph, const LandmarkVariables& landmark);
+LandmarkMarginal landmark_marginal(const Graph& graph, const LandmarkVariables& landmark);
 
-// A pixel measured by the camera (position, motion), `depth` steps after the base.
+// A pixel [px] measured by the camera (position, motion), `depth` steps after the base.
 struct MeasuredPixel {
   VariableId position = 0, motion = 0;
   Eigen::Vector2d pixel;
   int depth = 0;
 };
+// Adds its factor, in the form that fits: measured from the anchor, from a static or base state, or
+// along the chain. `sigma` in px.
 FactorId add_pixel(Graph& graph, const LandmarkVariables& landmark, const MeasuredPixel& z,
                    const Camera& camera, double sigma, const ceres::LossFunction* loss);
 

@@ -35,13 +35,13 @@ ceres::Solver::Options solver_options(int max_iterations) {
 CeresSolution solve_with_ceres(Graph& graph, int max_iterations) {
   ceres::Problem problem(nothing_owned());
   for (const auto& [id, v] : graph.variables()) {
-    problem.AddParameterBlock(graph.data(id), static_cast<int>(v.value.size()),
+    problem.AddParameterBlock(graph.variable(id).value.data(), static_cast<int>(v.value.size()),
                               const_cast<ceres::Manifold*>(v.manifold));
   }
   CeresSolution solution;
   for (const auto& [id, factor] : graph.factors()) {
     std::vector<double*> blocks;
-    for (const VariableId v : factor.variables) blocks.push_back(graph.data(v));
+    for (const VariableId v : factor.variables) blocks.push_back(graph.variable(v).value.data());
     // A landmark that starts behind its camera has no residual there: as in Graph::linearise its
     // measurement counts for nothing until the others have brought it to the front.
     Eigen::VectorXd unused(factor.cost->num_residuals());

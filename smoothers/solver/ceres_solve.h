@@ -11,8 +11,9 @@ struct CeresSolution {
   int iterations = 0;
 };
 
-// Moves the graph's variables to a minimum of its cost. Throws Diverged when Ceres does not
-// converge within `max_iterations`. One thread, so that the result is always the same.
+// Brings the active variables to a minimum of the cost of all factors; the prior is ignored. Throws
+// Diverged when Ceres does not converge within `max_iterations`. One thread, so that the result is
+// always the same.
 CeresSolution solve_with_ceres(Graph& graph, int max_iterations);
 
 }  // namespace slammot

@@ -1,15 +1,19 @@
 #include "smoothers/solver/marginalise.h"
 
-#include "smoothers/solver/triangularise.h"
+#include <map>
+
+#include "smoothers/linear/triangularise.h"
 
 namespace slammot {
 
 namespace {
 
+// Where each variable stands in the stacked system.
 struct Columns {
   std::vector<VariableId> order;
   std::map<VariableId, int> offset;
   int total = 0;
+  int gone = 0;  // the first ones: of what leaves or is deactivated
 
   void take(const Graph& graph, VariableId id) {
     if (!offset.try_emplace(id, total).second) return;
@@ -29,19 +33,23 @@ std::vector<FactorId> factors_touching(const Graph& graph, const std::set<Variab
   return touched;
 }
 
-// Leaving, then resting, then advancing, then new to the prior, then the rest of the prior as it
-// was. So the old prior stays a triangle but for its first columns, because what leaves or advances
-// stands there.
+// Leaving, then deactivated, then advancing, then new to the prior, then the rest of the prior as
+// it was. What leaves or advances stands in the first columns of the old prior, so that the other
+// columns of it remain a triangle.
 Columns order_columns(const Graph& graph, const std::set<VariableId>& leaving,
-                      const std::set<VariableId>& resting, const std::vector<Advance>& advances,
+                      const std::set<VariableId>& deactivated, const std::vector<Advance>& advances,
                       const std::vector<FactorId>& touched) {
   Columns columns;
-  const std::vector<VariableId>& prior = graph.prior().variables;
+  std::vector<VariableId> prior;
+  for (const MarginalPrior::Block& b : graph.prior().active.blocks()) {
+    prior.push_back(b.variable->id);
+  }
   for (const VariableId id : prior) {
     if (leaving.contains(id)) columns.take(graph, id);
   }
   for (const VariableId id : leaving) columns.take(graph, id);
-  for (const VariableId id : resting) columns.take(graph, id);
+  for (const VariableId id : deactivated) columns.take(graph, id);
+  columns.gone = columns.total;
   for (const Advance& a : advances) {
     columns.take(graph, a.y);
     columns.take(graph, a.w);
@@ -59,8 +67,9 @@ Columns order_columns(const Graph& graph, const std::set<VariableId>& leaving,
 // (A b) of the factors and the prior, at the current estimate.
 Eigen::MatrixXd stack(const Graph& graph, const Columns& columns,
                       const std::vector<FactorId>& touched) {
-  const LinearPrior& prior = graph.prior();
-  Eigen::Index rows = prior.R.rows();
+  const MarginalPrior& prior = graph.prior().active;
+  const Eigen::MatrixXd J = prior.jacobian();
+  Eigen::Index rows = J.rows();
   for (const FactorId id : touched) rows += graph.factors().at(id).r.size();
   Eigen::MatrixXd Ab = Eigen::MatrixXd::Zero(rows, columns.total + 1);
   Eigen::Index row = 0;
@@ -73,91 +82,101 @@ Eigen::MatrixXd stack(const Graph& graph, const Columns& columns,
     Ab.col(columns.total).segment(row, factor.r.size()) = factor.r;
     row += factor.r.size();
   }
-  if (prior.cols() == 0) return Ab;
-  const Eigen::MatrixXd J = graph.prior_jacobian();
-  for (std::size_t i = 0; i < prior.variables.size(); ++i) {
-    const int dim = graph.variables().at(prior.variables[i]).dim();
-    Ab.block(row, columns.offset.at(prior.variables[i]), J.rows(), dim) =
-        J.middleCols(prior.offsets[i], dim);
+  for (const MarginalPrior::Block& b : prior.blocks()) {
+    Ab.block(row, columns.offset.at(b.variable->id), J.rows(), b.dim()) =
+        J.middleCols(b.offset, b.dim());
   }
-  Ab.col(columns.total).tail(prior.R.rows()) = prior.R * graph.prior_difference() + prior.r;
+  if (prior.cols() > 0) Ab.col(columns.total).tail(J.rows()) = prior.residual();
   return Ab;
 }
 
+// dx = F^-1 (dx1 - G dnoise) in the columns of A.
 void substitute(Eigen::MatrixXd& Ab, const Columns& columns, const Advance& advance) {
-  Eigen::MatrixXd A_x(Ab.rows(), 6);
+  const Eigen::Index dim = advance.next.size(), motion = dim - 3;
+  Eigen::MatrixXd A_x(Ab.rows(), dim);
   auto A_y = Ab.middleCols<3>(columns.offset.at(advance.y));
-  auto A_w = Ab.middleCols<3>(columns.offset.at(advance.w));
+  auto A_w = Ab.middleCols(columns.offset.at(advance.w), motion);
   A_x << A_y, A_w;
   const Eigen::MatrixXd A_next = A_x * advance.F_inverse;
   A_y = A_next.leftCols<3>();
-  A_w = A_next.rightCols<3>();
-  Ab.middleCols<6>(columns.offset.at(advance.noise)).noalias() -= A_next * advance.G;
+  A_w = A_next.rightCols(motion);
+  Ab.middleCols(columns.offset.at(advance.noise), dim).noalias() -= A_next * advance.G;
 }
 
-// The columns of the far map's K that this marginalisation changes: of what goes and was in the
-// prior, or rests now, and of what advances.
-std::vector<int> far_columns(const Graph& graph, const Columns& columns, int gone,
-                             const std::vector<Advance>& advances,
-                             const std::set<VariableId>& resting) {
-  std::set<VariableId> ids(resting);
-  for (const VariableId id : graph.prior().variables) {
-    if (columns.offset.at(id) < gone) ids.insert(id);
+// Makes the substitutions, in A and in the values: y and w are the next state from now on.
+void advance(Graph& graph, Eigen::MatrixXd& Ab, const Columns& columns,
+             const std::vector<Advance>& advances) {
+  for (const Advance& a : advances) {
+    substitute(Ab, columns, a);
+    for (const VariableId id : {a.y, a.w}) graph.variable(id).linearisation_point.reset();
+    graph.variable(a.y).value = a.next.head<3>();
+    graph.variable(a.w).value = a.next.tail(a.next.size() - 3);
+  }
+}
+
+// The columns of the map's K that this marginalisation changes: those of variables that were in the
+// prior and go, or are deactivated now, or advance.
+std::vector<int> changed_columns(const Graph& graph, const Columns& columns,
+                                 const std::vector<Advance>& advances,
+                                 const std::set<VariableId>& deactivated) {
+  std::set<VariableId> ids(deactivated);
+  for (const MarginalPrior::Block& b : graph.prior().active.blocks()) {
+    if (columns.offset.at(b.variable->id) < columns.gone) ids.insert(b.variable->id);
   }
   for (const Advance& a : advances) ids.insert({a.y, a.w});
-  std::vector<int> stands;
+  std::vector<int> changed;
   for (const VariableId id : ids) {
     for (int k = 0; k < graph.variables().at(id).dim(); ++k) {
-      stands.push_back(columns.offset.at(id) + k);
+      changed.push_back(columns.offset.at(id) + k);
     }
   }
-  return stands;
+  return changed;
+}
+
+// What has become of these columns: T in d(changed) = T dx, by the substitutions.
+Eigen::MatrixXd substituted(const std::vector<int>& changed, const Columns& columns,
+                            const std::vector<Advance>& advances) {
+  Eigen::MatrixXd T = Eigen::MatrixXd::Zero(std::ssize(changed), columns.total);
+  for (std::size_t i = 0; i < changed.size(); ++i) T(static_cast<int>(i), changed[i]) = 1.0;
+  for (const Advance& a : advances) substitute(T, columns, a);
+  return T;
 }
 
 }  // namespace
 
 void marginalise(Graph& graph, const std::set<VariableId>& leaving,
                  const std::vector<Advance>& advances, const std::set<FactorId>& absorbed,
-                 const std::set<VariableId>& resting) {
-  if (leaving.empty() && resting.empty()) return;
+                 const std::set<VariableId>& deactivated) {
+  if (leaving.empty() && deactivated.empty()) return;
   std::set<VariableId> concerned = leaving;
-  concerned.insert(resting.begin(), resting.end());
+  concerned.insert(deactivated.begin(), deactivated.end());
   for (const Advance& a : advances) concerned.insert({a.y, a.w});
   const std::vector<FactorId> touched = factors_touching(graph, concerned, absorbed);
-  const Columns columns = order_columns(graph, leaving, resting, advances, touched);
+  const Columns columns = order_columns(graph, leaving, deactivated, advances, touched);
+  auto& [prior, map] = graph.prior();
+
   Eigen::MatrixXd Ab = stack(graph, columns, touched);
-  FarMap far = graph.take_far(columns.offset, columns.total);
-  for (const VariableId id : resting) far.add(id, graph.value(id), columns.offset.at(id));
-  for (const Advance& a : advances) {
-    substitute(Ab, columns, a);
-    graph.set_value(a.y, a.next.head<3>());
-    graph.set_value(a.w, a.next.tail<3>());
-    graph.forget_first_estimate(a.y);  // it is another state now
-    graph.forget_first_estimate(a.w);
+  map.relinearise(prior, columns.offset, columns.total);
+  for (const VariableId id : deactivated) {
+    map.deactivate(graph.variable(id), columns.offset.at(id));
   }
+  advance(graph, Ab, columns, advances);
   const Eigen::MatrixXd R = triangularise(Ab);
-  int gone = 0;  // numbers that leave or rest
-  std::vector<VariableId> remaining;
+
+  const int gone = columns.gone, kept = columns.total - gone;
+  if (!map.empty()) {
+    const std::vector<int> changed = changed_columns(graph, columns, advances, deactivated);
+    map.eliminate(changed, substituted(changed, columns, advances),
+                  R.topLeftCorner(gone, columns.total), R.col(columns.total).head(gone));
+  }
+  std::vector<Variable*> remaining;
   for (const VariableId id : columns.order) {
-    if (leaving.contains(id) || resting.contains(id)) {
-      gone += graph.variables().at(id).dim();
-    } else {
-      remaining.push_back(id);
-    }
+    if (columns.offset.at(id) >= gone) remaining.push_back(&graph.variable(id));
   }
-  if (!far.empty()) {
-    const std::vector<int> stands = far_columns(graph, columns, gone, advances, resting);
-    Eigen::MatrixXd T = Eigen::MatrixXd::Zero(std::ssize(stands), columns.total);
-    for (std::size_t i = 0; i < stands.size(); ++i) T(static_cast<int>(i), stands[i]) = 1.0;
-    for (const Advance& a : advances) substitute(T, columns, a);
-    far.eliminate(stands, T, R.topLeftCorner(gone, columns.total), R.col(columns.total).head(gone));
-  }
+  prior.set(remaining, R.block(gone, gone, kept, kept), R.col(columns.total).segment(gone, kept));
   for (const FactorId id : touched) graph.remove_factor(id);
-  const int kept = columns.total - gone;
-  graph.set_prior(std::move(remaining), R.block(gone, gone, kept, kept),
-                  R.col(columns.total).segment(gone, kept));
-  graph.set_far(std::move(far), resting);
   graph.remove_variables(leaving);
+  graph.remove_variables(deactivated);
 }
 
 }  // namespace slammot

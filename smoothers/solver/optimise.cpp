@@ -18,15 +18,16 @@ Step no_step(const Graph& graph) {
 
 }  // namespace
 
-OptimiseResult optimise(Graph& graph, int iterations, double negligible) {
+OptimiseResult optimise(Graph& graph, int iterations, double cost_tolerance) {
   double damping = 0.0;
   for (int i = 1;; ++i) {
     const double before = graph.linearise();
     OptimiseResult result{NormalEquations(graph), {}};
     result.last_step = result.equations.step();
-    const bool last = i >= iterations || -result.equations.slope(result.last_step) < negligible;
-    if (iterations == 1 || graph.first_estimates()) {
-      graph.move(result.last_step);
+    const bool last =
+        i >= iterations || result.equations.predicted_decrease(result.last_step) < cost_tolerance;
+    if (iterations == 1 || graph.prior().first_estimates()) {
+      graph.retract(result.last_step);
       if (last) return result;
       continue;
     }
@@ -38,7 +39,7 @@ OptimiseResult optimise(Graph& graph, int iterations, double negligible) {
       lower = graph.cost(step) <= before;
     }
     if (!lower) step = no_step(graph);
-    graph.move(step);
+    graph.retract(step);
     result.last_step = std::move(step);
     if (last || !lower) return result;
     damping = damping > kFirstDamping ? damping / kDampingFactor : 0.0;

@@ -10,12 +10,14 @@ struct OptimiseResult {
   Step last_step;             // taken from that linearisation; zero if none was
 };
 
-// At most `iterations` linearisations from the current estimate; it ends when a step promises to
-// lower the cost by less than `negligible` (in units of chi-square: 1e-2 is a tenth of a
-// standard deviation). Steps are those of Gauss-Newton; one that raises the cost is not taken but
-// tried again with more damping. Taken as it is, whatever the cost says, is a single iteration, as
-// an EKF does, and a step whose Jacobians are not those of the cost: it is its own equations that
-// are solved then.
-OptimiseResult optimise(Graph& graph, int iterations, double negligible);
+// Minimises the graph's cost from the current estimate, with at most `iterations` linearisations
+// (>= 1). It ends with the step whose predicted decrease is below `cost_tolerance`, in units of
+// chi-square: 1e-2 is a tenth of a standard deviation.
+//
+// A step of Gauss-Newton that raises the cost is not taken but tried again with more damping
+// (Marquardt 1963). Two steps are taken whatever the cost says: a single iteration, as in an EKF,
+// and one whose Jacobians are not those of the cost (first estimates), because then the equations
+// are solved, not the cost minimised. Throws Diverged as NormalEquations does.
+OptimiseResult optimise(Graph& graph, int iterations, double cost_tolerance);
 
 }  // namespace slammot

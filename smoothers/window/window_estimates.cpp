@@ -1,76 +1,77 @@
-// What the window believes: states with their marginal covariances.
+// What the window says of its cameras, and what it tells a batch.
 #include "models/so3.h"
-#include "smoothers/window/window_estimator.h"
+#include "smoothers/window/window_belief.h"
 
 namespace slammot {
 
 // The newest camera with its marginal covariance at the last linearisation, in the coordinates of
 // the estimate.
-void Window::estimate_camera(const NormalEquations& equations, const Step& last) {
-  const std::vector<std::vector<VariableId>> camera{{newest().position, newest().motion}};
-  Matrix12d P = equations.covariances(camera).front();
-  if (!graph_.first_estimates()) {
-    const Eigen::Vector3d turn = last.at(newest().motion).head<3>();
+void Window::estimate_camera() {
+  const WindowFrame& newest = cameras_.newest();
+  const std::vector<std::vector<VariableId>> camera{{newest.position, newest.motion}};
+  Matrix12d P = optimum_->equations.covariances(camera).front();
+  if (!graph_.prior().first_estimates()) {
+    const Eigen::Vector3d turn = optimum_->last_step.at(newest.motion).head<3>();
     const Eigen::Matrix3d J = right_jacobian_so3(turn);
     P.middleRows<3>(kRotation) = (J * P.middleRows<3>(kRotation)).eval();
     P.middleCols<3>(kRotation) = (P.middleCols<3>(kRotation) * J.transpose()).eval();
   }
-  camera_ = {newest().timestamp, state(newest()), 0.5 * (P + P.transpose())};
+  camera_ = {newest.timestamp, cameras_.state(newest), 0.5 * (P + P.transpose())};
 }
 
-std::vector<LandmarkEstimate> Window::estimate(const std::vector<int>& tracks) const {
-  if (tracks.empty()) return {};
-  std::vector<LinearForm> forms;
-  std::vector<LandmarkBelief> beliefs;
-  std::vector<Eigen::MatrixXd> far;
-  for (const int track : tracks) {
-    LandmarkForm made = landmark_form(graph_, landmarks_.at(track));
-    beliefs.push_back(std::move(made.belief));
-    LinearForm& form = forms.emplace_back(std::move(made.form));
-    far.push_back(replace_far(graph_, form));
+// J of a pixel's factor in the coordinates that the last step was taken in.
+Eigen::MatrixXd Window::before_last_step(const Factor& factor) const {
+  Eigen::MatrixXd J = factor.J;
+  if (graph_.prior().first_estimates()) return J;
+  for (std::size_t i = 0; i < factor.variables.size(); ++i) {
+    if (!factor.at[i]->manifold) continue;
+    const Eigen::Vector3d turn = optimum_->last_step.at(factor.variables[i]).head<3>();
+    J.middleCols<3>(factor.offset[i]) *= right_jacobian_so3(turn);
   }
-  const std::vector<Eigen::MatrixXd> P = NormalEquations(graph_).covariances(forms);
-  std::vector<LandmarkEstimate> estimates;
-  for (std::size_t i = 0; i < tracks.size(); ++i) {
-    beliefs[i].covariance = P[i] + far[i];
-    estimates.push_back(landmark_estimate(functions_, landmarks_.at(tracks[i]).record, beliefs[i]));
-  }
-  return estimates;
-}
-
-std::vector<LandmarkEstimate> Window::landmarks() const {
-  std::vector<int> tracks;
-  for (const auto& [track, landmark] : landmarks_) tracks.push_back(track);
-  return estimate(tracks);
-}
-
-std::vector<LandmarkEstimate> Window::landmarks_measured(int index) const {
-  std::vector<int> tracks;
-  for (const auto& [track, landmark] : landmarks_) {
-    if (landmark.record.last_frame == index) tracks.push_back(track);
-  }
-  return estimate(tracks);
+  return J;
 }
 
 // Cameras as they left the window, without covariances, which belong to that moment and are not
 // kept; then those still in it, converged, with theirs.
-std::vector<CameraEstimate> Window::smoothed(StageListener&) {
+std::vector<CameraEstimate> Window::smoothed() {
   optimise(graph_, options_.iterations, options_.cost_tolerance);
   for (int i = 0; i < kMaxRefreshes && refresh_noises() > kNegligibleNoise; ++i) {
     optimise(graph_, options_.iterations, options_.cost_tolerance);
   }
   graph_.linearise();
   std::vector<std::vector<VariableId>> sets;
-  for (const WindowFrame& f : frames_) sets.push_back({f.position, f.motion});
+  for (const WindowFrame& f : cameras_.frames()) sets.push_back({f.position, f.motion});
   const std::vector<Eigen::MatrixXd> P = NormalEquations(graph_).covariances(sets);
   std::vector<CameraEstimate> result;
-  for (const auto& [timestamp, x] : left_) {
-    result.push_back({timestamp, x, Matrix12d::Constant(kUndefined)});
+  for (const CameraWindow::Left& left : cameras_.left()) {
+    result.push_back({left.timestamp, left.state, Matrix12d::Constant(kUndefined)});
   }
-  for (std::size_t i = 0; i < frames_.size(); ++i) {
-    result.push_back({frames_[i].timestamp, state(frames_[i]), P[i]});
+  for (std::size_t i = 0; i < P.size(); ++i) {
+    const WindowFrame& f = cameras_.frames()[i];
+    result.push_back({f.timestamp, cameras_.state(f), P[i]});
   }
   return result;
+}
+
+std::vector<CameraState> Window::all_cameras() const {
+  std::vector<CameraState> states;
+  for (const CameraWindow::Left& left : cameras_.left()) states.push_back(left.state);
+  for (const WindowFrame& f : cameras_.frames()) states.push_back(cameras_.state(f));
+  return states;
+}
+
+void Window::end_histories(const TrackRecords& records) const {
+  for (const auto& [track, landmark] : landmarks_) end_history(landmark, records.at(track));
+}
+
+LandmarkVector Window::at_rest(const WindowLandmark& l) const {
+  return landmark_state(graph_.value(l.y), MotionVector::Zero(functions_.motion));
+}
+
+void Window::end_history(const WindowLandmark& l, const TrackRecord& record) const {
+  const std::vector<LandmarkVector> states =
+      l.w ? chain_states(graph_, l) : std::vector<LandmarkVector>{at_rest(l)};
+  histories_->end(record, cameras_.newest().number, l.w.has_value(), states);
 }
 
 }  // namespace slammot

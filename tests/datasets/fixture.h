@@ -1,8 +1,9 @@
-// What the tests of datasets/ share: a small sequence in the native format, and the pixel at which
-// a landmark truly is.
+// What the tests of datasets/ share: a small sequence in the native format, the pixel at which a
+// landmark truly is, and how movers go from frame to frame.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -45,6 +46,20 @@ inline std::optional<Eigen::Vector2d> true_pixel(const Sequence& s, std::size_t 
   const CameraState& x = *s.truth[frame];
   const auto p = s.camera.project(x.orientation.conjugate() * (point->position - x.position));
   return p ? std::optional(p->pixel) : std::nullopt;
+}
+
+using OfFrames = std::function<void(const TruePoint&, const TruePoint&, const TruePoint&)>;
+
+// Of all movers, three consecutive frames at a time.
+inline void for_each_triple(const Sequence& s, const OfFrames& visit) {
+  for (const auto& [track, landmark] : s.landmarks) {
+    if (landmark.label == Label::kStatic) continue;
+    for (const auto& [frame, before] : landmark.by_frame) {
+      const TruePoint* now = landmark.at(frame + 1);
+      const TruePoint* after = landmark.at(frame + 2);
+      if (now != nullptr && after != nullptr) visit(before, *now, *after);
+    }
+  }
 }
 
 }  // namespace slammot::test

@@ -87,39 +87,36 @@ TEST(Truth, IsKnownFromBirthAndOtherwiseUnknown) {
 
 TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
   const TrackPolicy policy;
-  TrackRecord moving = born(1, 0, Label::kUnknown, false, {});
+  TrackRecord moving = initialised(1, 0, Label::kUnknown, false, {});
   moving.unused_frames = policy.prune_after;
-  EXPECT_FALSE(is_lost(moving, policy));
+  EXPECT_FALSE(is_pruned(moving, policy));
   ++moving.unused_frames;
-  EXPECT_TRUE(is_lost(moving, policy));
-  TrackRecord fixed = born(2, 0, Label::kStatic, false, {});
+  EXPECT_TRUE(is_pruned(moving, policy));
+  TrackRecord fixed = initialised(2, 0, Label::kStatic, false, {});
   fixed.unused_frames = 10000;
-  EXPECT_FALSE(is_lost(fixed, policy));  // it stays in the map
+  EXPECT_FALSE(is_pruned(fixed, policy));  // it stays in the map
   TrackPolicy window = policy;
   window.retain = Retain::kWindow;
-  EXPECT_TRUE(is_lost(fixed, window));
+  EXPECT_TRUE(is_pruned(fixed, window));
   for (int i = 0; i < policy.prune_missed_after; ++i) note_unused(fixed, true);
   note_unused(fixed, false);
-  EXPECT_FALSE(is_lost(fixed, policy));
+  EXPECT_FALSE(is_pruned(fixed, policy));
   note_unused(fixed, true);
-  EXPECT_TRUE(is_lost(fixed, policy));
+  EXPECT_TRUE(is_pruned(fixed, policy));
   note_accepted(fixed, 9);
-  EXPECT_FALSE(is_lost(fixed, policy));
+  EXPECT_FALSE(is_pruned(fixed, policy));
   for (int i = 0; i <= policy.prune_after; ++i) note_rejected(fixed);
-  EXPECT_TRUE(is_lost(fixed, policy));
+  EXPECT_TRUE(is_pruned(fixed, policy));
 }
 
-TEST(TrackPolicy, AdmitsWhatFitsUnderBothCaps) {
-  std::vector<Observation> candidates;
-  for (int i = 0; i < 5; ++i) candidates.push_back({i, Eigen::Vector2d(i, 0)});
+TEST(TrackPolicy, LeavesRoomUnderBothCaps) {
   TrackPolicy policy;
   policy.max_landmarks = 10;
   policy.max_visible = 6;
-  EXPECT_EQ(admit(candidates, 0, 0, policy).size(), 5u);
-  EXPECT_EQ(admit(candidates, 8, 0, policy).size(), 2u);
-  EXPECT_EQ(admit(candidates, 0, 5, policy).size(), 1u);
-  EXPECT_EQ(admit(candidates, 12, 0, policy).size(), 0u);
-  EXPECT_EQ(admit(candidates, 9, 0, policy).front().track, 0);
+  EXPECT_EQ(room_for(0, 0, policy), 6u);
+  EXPECT_EQ(room_for(8, 0, policy), 2u);
+  EXPECT_EQ(room_for(0, 5, policy), 1u);
+  EXPECT_EQ(room_for(12, 0, policy), 0u);
 }
 
 }  // namespace

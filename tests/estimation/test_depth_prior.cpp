@@ -97,7 +97,7 @@ TEST(DepthPrior, Sources) {
     EXPECT_FALSE(learns_depths(DepthPriorSource::kFixed, some_are_known));
     EXPECT_TRUE(learns_depths(DepthPriorSource::kEmpirical, some_are_known));
     EXPECT_EQ(learns_depths(DepthPriorSource::kAuto, some_are_known), some_are_known);
-    EXPECT_EQ(DepthPrior(some_are_known, statement(0.2, 0.1)).born().inverse_depth, 0.2);
+    EXPECT_EQ(DepthPrior(some_are_known, statement(0.2, 0.1)).of_new().inverse_depth, 0.2);
   }
 }
 

@@ -29,7 +29,7 @@ int taken_back(double scale, int landmarks, int frames, const LabelOptions& opti
   std::exponential_distribution<double> half_chi_square;  // chi-square(2) is twice exponential(1)
   int count = 0;
   for (int i = 0; i < landmarks; ++i) {
-    TrackRecord record = born(i, 0, Label::kStatic, false, {});
+    TrackRecord record = initialised(i, 0, Label::kStatic, false, {});
     bool rejected = false;
     for (int frame = 0; frame < frames && !rejected; ++frame) {
       note_innovation(record, scale * 2.0 * half_chi_square(engine), options);
@@ -50,25 +50,25 @@ TEST(Reversible, RightLabelsStayAndWrongOnesGo) {
 
 TEST(Reversible, OnlyTheLatestInnovationsCount) {
   const LabelOptions options = reversible();
-  TrackRecord record = born(1, 0, Label::kStatic, false, {});
+  TrackRecord record = initialised(1, 0, Label::kStatic, false, {});
   for (int i = 0; i < 1000; ++i) note_innovation(record, 2.0, options);
   for (int i = 0; i < 5; ++i) note_innovation(record, 10.0, options);
   EXPECT_TRUE(is_rejected(record, options));  // 60 over 10 frames, not 2050 over 1005
-  note_freed(record);
+  note_reverted(record);
   EXPECT_EQ(record.label, Label::kUnknown);
   EXPECT_FALSE(record.decision_frame);
   EXPECT_FALSE(is_rejected(record, options));
 }
 
 TEST(Reversible, WhatIsKnownBeforehandStays) {
-  TrackRecord record = born(1, 0, Label::kStatic, true, {});
+  TrackRecord record = initialised(1, 0, Label::kStatic, true, {});
   record.known = true;
   for (int i = 0; i < 20; ++i) note_innovation(record, 100.0, reversible());
   EXPECT_FALSE(is_rejected(record, reversible()));
 }
 
 TEST(Reversible, AMovingLandmarkMayStop) {
-  TrackRecord record = born(1, 0, Label::kMoving, false, {});
+  TrackRecord record = initialised(1, 0, Label::kMoving, false, {});
   EXPECT_FALSE(is_asked(record, with_rule(LabelRule::kOneWay)));
   EXPECT_TRUE(is_asked(record, reversible()));
   note_answer(record, Label::kUnknown, 3);

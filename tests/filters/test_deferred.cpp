@@ -5,8 +5,9 @@
 #include <set>
 
 #include "datasets/simulation/scenario.h"
+#include "estimation/frame_loop.h"
 #include "eval/configuration/setup.h"
-#include "filters/ekf_estimator.h"
+#include "filters/ekf_belief.h"
 
 namespace slammot {
 namespace {
@@ -83,6 +84,20 @@ struct Case {
   double mean_sigma = 0.0;
 };
 
+// An EKF in its frame loop, with its state to look at.
+struct Driven {
+  Driven(const slammot::Setup& setup, const ModelOptions& models, const EkfOptions& options)
+      : Driven(setup, models, options, std::make_unique<Ekf>(setup, models, options)) {}
+  Driven(const slammot::Setup& setup, const ModelOptions& models, const EkfOptions& options,
+         std::unique_ptr<Ekf> belief)
+      : ekf(*belief),
+        loop(setup, models, std::move(belief),
+             options.linearisation == FilterLinearisation::kIdeal ? setup.truth : nullptr) {}
+
+  const Ekf& ekf;
+  FrameLoop loop;
+};
+
 class DeferredCase : public testing::TestWithParam<Case> {};
 
 // On a circle driven more than once: what has left the view returns.
@@ -99,31 +114,33 @@ TEST_P(DeferredCase, IsTheEkf) {
   options.linearisation = configuration.ekf.linearisation;
   options.iterations = GetParam().iterations;
   options.delayed = GetParam().delayed;
-  Ekf plain(setup, models, options);
+  Driven plain(setup, models, options);
   options.deferred = true;
-  Ekf deferred(setup, models, options);
+  Driven deferred(setup, models, options);
   NoStages stages;
   double worst = 0.0, worst_landmark = 0.0;
-  Observed observed(deferred);
+  Observed observed(deferred.ekf);
   Used used;
   for (const Frame& frame : sequence.frames) {
     observed.before_frame();
-    const FrameReport a = deferred.process(frame, stages), b = plain.process(frame, stages);
+    const FrameReport a = deferred.loop.process(frame, stages),
+                      b = plain.loop.process(frame, stages);
     observed.after_frame(a, used);
     ASSERT_EQ(a.accepted, b.accepted) << "frame " << frame.index;
     ASSERT_EQ(a.rejected, b.rejected);
     ASSERT_EQ(a.admitted, b.admitted);
     ASSERT_EQ(a.state_size, b.state_size);
     ASSERT_EQ(a.negative_inverse_depth, b.negative_inverse_depth);
-    worst = std::max(worst, difference(deferred.camera(), plain.camera()));
+    worst = std::max(worst, difference(deferred.loop.camera(), plain.loop.camera()));
     worst_landmark = std::max(worst_landmark, difference(a.retired, b.retired));
     if (frame.index % 50 == 0) {
       worst_landmark =
-          std::max(worst_landmark, difference(deferred.landmarks(), plain.landmarks()));
+          std::max(worst_landmark, difference(deferred.loop.landmarks(), plain.loop.landmarks()));
     }
   }
-  worst_landmark = std::max(worst_landmark, difference(deferred.landmarks(), plain.landmarks()));
-  const int folds = deferred.state().far.folds();
+  worst_landmark =
+      std::max(worst_landmark, difference(deferred.loop.landmarks(), plain.loop.landmarks()));
+  const int folds = deferred.ekf.state().far.folds();
   std::printf("largest difference: camera %.1e, landmarks %.1e [sigma]\n", worst, worst_landmark);
   std::printf("%d folds, %d frames with returns, %d given up far, at most %d rows far, %.0f%%\n",
               folds, used.returns, used.retired, used.largest, 100.0 * used.share);

@@ -11,7 +11,8 @@
 namespace slammot {
 namespace {
 
-const Linearisation kStandard("standard", find_landmark("scaled_velocity"), nullptr);
+const Linearisation kStandard(FilterLinearisation::kStandard, find_landmark("scaled_velocity"),
+                              nullptr);
 
 Camera pinhole() { return {640, 480, 385.0, 385.0, 319.5, 239.5, PinholeLens{}}; }
 
@@ -30,7 +31,6 @@ JointState scene(int anchors) {
   }
   for (int i = 0; i < 4; ++i) {
     FilterLandmark& l = state.landmarks[i];
-    l.record.track = i;
     l.anchor = i % anchors;
     l.y = {0.2 * i - 0.3, 0.1 * (i % 2), 0.2};
     l.y_block =
@@ -40,10 +40,10 @@ JointState scene(int anchors) {
   return state;
 }
 
-std::vector<Match> pixels_of(const JointState& state, unsigned seed) {
+std::vector<Observation> pixels_of(const JointState& state, unsigned seed) {
   std::mt19937_64 engine(seed);
   std::normal_distribution<double> normal;
-  std::vector<Match> matches;
+  std::vector<Observation> matches;
   for (const auto& [track, l] : state.landmarks) {
     const auto z = observe(pinhole(), state.camera.position, state.camera.orientation,
                            state.anchors.at(l.anchor).position, l.y);
@@ -52,7 +52,7 @@ std::vector<Match> pixels_of(const JointState& state, unsigned seed) {
   return matches;
 }
 
-void step(JointState& state, const std::vector<Match>& matches) {
+void step(JointState& state, const std::vector<Observation>& matches) {
   MotionNoise noise{2.0, 1.0};
   const double dt = 0.1;
   state.covariance.propagate({JointState::kCamera}, predict_jacobian(state.camera, dt),
@@ -118,17 +118,35 @@ TEST(Update, IsTheTextbookUpdate) {
   EXPECT_LT(boxminus(state.camera, expected).norm(), 1e-12);
 }
 
-TEST(Gate, TakesEachMeasurementOnItsOwn) {
+TEST(Covariances, AreThoseOfEachMeasurementOnItsOwn) {
   JointState state = scene(1);
-  auto matches = pixels_of(state, 2);
-  matches[2].pixel += Eigen::Vector2d(300.0, 0.0);
+  const auto matches = pixels_of(state, 2);
   Innovation z;
   linearise(state, kStandard, pinhole(), matches, z);
-  Gate result;
-  gate(state, PixelGate(0.99, 1.0), z, result);
-  EXPECT_EQ(result.rejected, std::vector<int>{2});
-  EXPECT_EQ(z.matches.size(), 3u);
+  const Eigen::MatrixXd H = dense_H(state, z);
+  const Eigen::MatrixXd HPHt = H * state.covariance.dense() * H.transpose();
+  std::vector<PixelInnovation> each;
+  covariances(state, z, each);
+  ASSERT_EQ(each.size(), 4u);
+  for (std::size_t i = 0; i < each.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(2 * i);
+    EXPECT_EQ(each[i].z.track, matches[i].track);
+    EXPECT_LT((each[i].HPHt - HPHt.block<2, 2>(at, at)).norm(), 1e-12 * HPHt.norm());
+  }
+}
+
+TEST(Keep, LeavesTheInnovationOfWhatWasAccepted) {
+  JointState state = scene(1);
+  const auto matches = pixels_of(state, 2);
+  const std::vector<Observation> accepted{matches[0], matches[1], matches[3]};
+  Innovation z, expected;
+  linearise(state, kStandard, pinhole(), matches, z);
+  keep(accepted, z);
+  linearise(state, kStandard, pinhole(), accepted, expected);
+  ASSERT_EQ(z.matches.size(), 3u);
   EXPECT_EQ(z.matches[2].track, 3);
+  EXPECT_TRUE(z.nu == expected.nu);
+  EXPECT_TRUE(*z.P_Ht == *expected.P_Ht);
 }
 
 // Deaths move other blocks into the gaps: each must be found where it now is, with all it has in
@@ -155,7 +173,7 @@ TEST(RemoveLandmarks, LeavesTheMarginalOfTheRest) {
     return P;
   };
   const Eigen::MatrixXd before = marginal();
-  state.remove_landmarks({0, 2});
+  state.remove_landmarks(std::vector<int>{0, 2});
   EXPECT_EQ(state.covariance.size(), 12 + 2 * 6 + 3);
   EXPECT_EQ(state.anchors.size(), 2u);
   EXPECT_TRUE(marginal() == before);

@@ -70,12 +70,13 @@ TEST(NormalEquations, CovariancesAreThoseOfCeres) {
   options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(options);
   for (const auto& [id, v] : scene.graph.variables()) {
-    problem.AddParameterBlock(scene.graph.data(id), static_cast<int>(v.value.size()),
+    problem.AddParameterBlock(scene.graph.variable(id).value.data(),
+                              static_cast<int>(v.value.size()),
                               const_cast<ceres::Manifold*>(v.manifold));
   }
   for (const auto& [id, f] : scene.graph.factors()) {
     std::vector<double*> blocks;
-    for (const VariableId v : f.variables) blocks.push_back(scene.graph.data(v));
+    for (const VariableId v : f.variables) blocks.push_back(scene.graph.variable(v).value.data());
     problem.AddResidualBlock(f.cost.get(), nullptr, blocks);
   }
   ceres::Covariance::Options dense;
@@ -83,7 +84,7 @@ TEST(NormalEquations, CovariancesAreThoseOfCeres) {
   ceres::Covariance oracle(dense);
   for (std::size_t k = 0; k < sets.size(); ++k) {
     std::vector<const double*> blocks;
-    for (const VariableId id : sets[k]) blocks.push_back(scene.graph.data(id));
+    for (const VariableId id : sets[k]) blocks.push_back(scene.graph.variable(id).value.data());
     ASSERT_TRUE(oracle.Compute(blocks, &problem));
     Eigen::Matrix<double, -1, -1, Eigen::RowMajor> expected(P[k].rows(), P[k].cols());
     ASSERT_TRUE(oracle.GetCovarianceMatrixInTangentSpace(blocks, expected.data()));

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "smoothers/solver/triangularise.h"
+#include "smoothers/linear/triangularise.h"
 
 namespace slammot {
 namespace {

@@ -66,6 +66,7 @@ FrameRange within_reach(const ScenePoint& point, const Eigen::Vector3d& centre, 
   if (speed == 0.0 || point.schedule) return all;
   const Eigen::Vector3d along = point.velocity / speed;
   const Eigen::Vector3d from_centre = point.position - centre;
+  if (point.manoeuvre) reach += point.manoeuvre->reach();  // off the line
   const double nearest = -along.dot(from_centre);
   const double squared_half = reach * reach - (from_centre + nearest * along).squaredNorm();
   if (squared_half <= 0.0) return {0, 0};

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "datasets/sequence/sequence.h"
+#include "datasets/simulation/scene/manoeuvre.h"
 #include "datasets/simulation/scene/parameters.h"
 #include "datasets/simulation/scene/schedule.h"
 
@@ -24,18 +25,25 @@ struct RecordingOptions {
 };
 Parameters parameters(RecordingOptions& options);
 
-// A point on a straight line: at rest, moving for ever, or as its schedule says.
+// A point on a straight line: at rest, moving for ever, or as its schedule says; or one that sways
+// about that line.
 struct ScenePoint {
   int track = 0;
   Eigen::Vector3d position;  // W, at time 0; of a scheduled one, before it ever moved [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // W, at full speed
   int from_frame = 0;                                  // not seen before
   std::optional<Schedule> schedule = std::nullopt;
+  std::optional<Manoeuvre> manoeuvre = std::nullopt;
 
   double travelled(double time) const { return schedule ? schedule->travelled(time) : time; }
-  Eigen::Vector3d at(double time) const { return position + velocity * travelled(time); }
+  Eigen::Vector3d at(double time) const {
+    const Eigen::Vector3d on_line = position + velocity * travelled(time);
+    return manoeuvre ? Eigen::Vector3d(on_line + manoeuvre->offset(time)) : on_line;
+  }
   Eigen::Vector3d velocity_at(double time) const {
-    return schedule ? Eigen::Vector3d(velocity * schedule->pace(time)) : velocity;
+    const Eigen::Vector3d on_line =
+        schedule ? Eigen::Vector3d(velocity * schedule->pace(time)) : velocity;
+    return manoeuvre ? Eigen::Vector3d(on_line + manoeuvre->velocity(time)) : on_line;
   }
   Label label() const { return velocity.isZero(0.0) ? Label::kStatic : Label::kMoving; }
 };

@@ -68,7 +68,6 @@ struct Strays {
 
 // The sum over all moving points stands for one: what is stated is of the population.
 double object_acceleration(const Sequence& sequence) {
-  constexpr double kLeastStated = 0.1;  // [m/s^2]
   const auto horizons = std::max<size_t>(sequence.frames.size() / 4, 1);
   std::vector<Strays> strays(horizons + 1);
   for (const auto& [track, landmark] : sequence.landmarks) {
@@ -82,7 +81,7 @@ double object_acceleration(const Sequence& sequence) {
       }
     }
   }
-  double largest = kLeastStated;
+  double largest = kLeastObjectAcceleration;
   const double dt = sequence.frames.back().timestamp /
                     static_cast<double>(std::max<size_t>(sequence.frames.size() - 1, 1));
   for (size_t n = 1; n <= horizons; ++n) {

@@ -25,10 +25,13 @@ Parameters parameters(StatementOptions& options);
 // frames.
 StatedMotion motion_of(const Sequence& sequence);
 
+// What is stated of moving points that keep their velocity [m/s^2].
+inline constexpr double kLeastObjectAcceleration = 0.1;
+
 // Mean and sigma of 1/distance at first sight, over the landmarks first seen after frame 0 and not
 // known beforehand. The sigma is the standard deviation, or more if that is what it takes for the
 // Gaussian's 99% interval to hold 99% of them: depths have a tail towards the camera. And the
-// acceleration of its moving points: 0.1 m/s^2 where they keep their velocity, else as motion_of().
+// acceleration of its moving points, as motion_of(), but no less than kLeastObjectAcceleration.
 LandmarkPrior prior_of(const Sequence& sequence);
 
 // Fills `initial` (the true pose; velocities with errors drawn from their sigmas), `motion` and

@@ -1,9 +1,13 @@
 #include "datasets/simulation/scene/volume.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
+#include "datasets/simulation/scene/mover_sigmas.h"
 #include "datasets/simulation/scene/random_stream.h"
 
 namespace slammot {
@@ -23,7 +27,8 @@ Parameters parameters(VolumeOptions& o) {
 }
 
 Parameters parameters(SceneOptions& o) {
-  return joined(joined(parameters(o.recording), parameters(o.volume)),
+  return joined(joined(joined(parameters(o.recording), parameters(o.volume)),
+                       parameters(o.volume.manoeuvres)),
                 joined(parameters(o.known), parameters(o.statements)));
 }
 
@@ -69,28 +74,36 @@ Eigen::Vector3d draw_velocity(const VolumeOptions& options, RandomStream& random
                                  std::cos(climb) * std::cos(azimuth));
 }
 
-// The schedule has a stream of its own: with and without stops, objects are the same otherwise.
-ScenePoint draw_moving(const Volume& volume, int track, RandomStream& random,
-                       RandomStream& schedules) {
+// Each has a stream of its own: with and without stops or manoeuvres, objects are the same
+// otherwise.
+struct MoverStreams {
+  RandomStream points, schedules, manoeuvres;
+};
+
+ScenePoint draw_moving(const Volume& volume, int track, MoverStreams& random) {
   const RecordingOptions& recording = volume.options.recording;
   const double duration = recording.time(recording.frames);
-  ScenePoint point{track, volume.draw(random), draw_velocity(volume.options.volume, random)};
-  point.schedule = draw_schedule(volume.options.volume.stops, duration, schedules);
-  point.position -= point.velocity * point.travelled(random.uniform(0.0, duration));
+  const VolumeOptions& options = volume.options.volume;
+  ScenePoint point{track, volume.draw(random.points), draw_velocity(options, random.points)};
+  point.schedule = draw_schedule(options.stops, duration, random.schedules);
+  const auto manoeuvre = draw_manoeuvre(options.manoeuvres, point.velocity, random.manoeuvres);
+  if (!point.schedule) point.manoeuvre = manoeuvre;
+  const double passing = random.points.uniform(0.0, duration);
+  point.position -= point.velocity * point.travelled(passing);
+  if (point.manoeuvre) point.position -= point.manoeuvre->offset(passing);
   return point;
 }
 
-void add_moving(const Volume& volume, RandomStream& random, RandomStream& schedules,
-                std::vector<ScenePoint>& points) {
+void add_moving(const Volume& volume, MoverStreams& random, std::vector<ScenePoint>& points) {
   const VolumeOptions& options = volume.options.volume;
   int in_first_frame = 0;
   for (int i = 0; i < options.moving_points; ++i) {
     const int track = options.static_points + i;
-    ScenePoint point = draw_moving(volume, track, random, schedules);
+    ScenePoint point = draw_moving(volume, track, random);
     for (int k = 0;
          k < kTries && in_first_frame >= options.first_moving && volume.in_first_frame(point);
          ++k) {
-      point = draw_moving(volume, track, random, schedules);
+      point = draw_moving(volume, track, random);
     }
     if (volume.in_first_frame(point)) ++in_first_frame;
     points.push_back(point);
@@ -102,9 +115,9 @@ std::vector<ScenePoint> draw_points(const SceneOptions& options, const Eigen::Ve
   const Volume volume{options, centre, simulated_camera(options.recording), first};
   std::vector<ScenePoint> points;
   RandomStream static_points(seed, "static points");
-  RandomStream moving_points(seed, "moving points"), schedules(seed, "schedules");
+  MoverStreams movers{{seed, "moving points"}, {seed, "schedules"}, {seed, "manoeuvres"}};
   add_static(volume, static_points, points);
-  add_moving(volume, moving_points, schedules, points);
+  add_moving(volume, movers, points);
   return points;
 }
 
@@ -119,14 +132,34 @@ LandmarkPrior population_prior(SceneOptions options, const Eigen::Vector3d& cent
   recording.frames = std::min(recording.frames, kFrames);
   volume.moving_points = static_cast<int>(volume.moving_points * usual) * kTimes;
   volume.static_points *= kTimes;
-  return prior_of(record(recording, trajectory,
-                         draw_points(options, centre, trajectory.front(), kSeed), kSeed));
+  LandmarkPrior prior = prior_of(record(
+      recording, trajectory, draw_points(options, centre, trajectory.front(), kSeed), kSeed));
+  const bool stops = volume.stops.stopping_fraction + volume.stops.parked_fraction > 0.0;
+  if (volume.manoeuvres.share > 0.0 && !stops) {
+    prior.acceleration = std::max(rms_of_movers(volume).acceleration, kLeastObjectAcceleration);
+  }
+  return prior;
+}
+
+void check(const VolumeOptions& options) {
+  const ManoeuvreOptions& m = options.manoeuvres;
+  if (m.share > 1.0) {
+    throw std::invalid_argument(fmt::format("manoeuvring: must be at most 1, not {}", m.share));
+  }
+  const double slowing = largest_slowing(m);
+  if (m.share > 0.0 && slowing >= options.min_speed) {
+    throw std::invalid_argument(
+        fmt::format("braking, manoeuvre_period: slow a mover by {:.3g} m/s, which must be less "
+                    "than min_speed ({} m/s)",
+                    slowing, options.min_speed));
+  }
 }
 
 }  // namespace
 
 Sequence simulate_in_volume(const SceneOptions& options, const Eigen::Vector3d& centre,
                             const std::vector<CameraState>& trajectory, std::uint64_t seed) {
+  check(options.volume);
   const auto points = draw_points(options, centre, trajectory.front(), seed);
   Sequence sequence = record(options.recording, trajectory, points, seed);
   sequence.known = choose_known(options.known, sequence, seed);

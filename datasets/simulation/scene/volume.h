@@ -1,7 +1,8 @@
 // The scene of circle and square: static and moving points anywhere in a volume around the path.
 //
-// A moving point goes straight and passes through the volume at a random time of the run, so that
-// there are as many at its end as at its start; it goes for ever unless `stops` says otherwise.
+// A moving point passes through the volume at a random time of the run, so that there are as many
+// at its end as at its start. It goes straight and for ever unless `stops` or `manoeuvres` say
+// otherwise. One that stops does not manoeuvre, and one that manoeuvres never stands still.
 // Static points have tracks 0, 1, ...; moving ones follow.
 #pragma once
 
@@ -22,6 +23,7 @@ struct VolumeOptions {
   int first_moving = 0;  // moving points allowed in view of the first frame, whose landmarks enter
                          // as static by rule; further ones are drawn again
   StopOptions stops;     // of moving points; of scenarios without stops the default, none
+  ManoeuvreOptions manoeuvres;  // of moving points that never stop; by default none
 };
 Parameters parameters(VolumeOptions& options);
 
@@ -35,6 +37,10 @@ Parameters parameters(SceneOptions& options);
 
 // Places the points around `centre`, records them from the trajectory, and states what is true. The
 // prior stated is that of the population from which the points are drawn, the same for every seed.
+// Where points stop, the acceleration stated covers the stops; where they only manoeuvre, it is the
+// RMS of the true one (mover_sigmas.h says why not more).
+// Throws std::invalid_argument for more manoeuvring points than there are, and for braking so hard
+// that the slowest would stop.
 Sequence simulate_in_volume(const SceneOptions& options, const Eigen::Vector3d& centre,
                             const std::vector<CameraState>& trajectory, std::uint64_t seed);
 

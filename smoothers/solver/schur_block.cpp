@@ -1,30 +1,32 @@
-#include "smoothers/solver/landmark_group.h"
+#include "smoothers/solver/schur_block.h"
+
+#include <algorithm>
 
 #include "estimation/estimator.h"
 
 namespace slammot {
 
-Place LandmarkGroup::add_variable(int group, int dim, bool is_noise) {
+Place SchurBlock::add_variable(int block, int dim, bool is_noise) {
   Eigen::Index& end = is_noise ? noise_dim_ : dim_;
-  const Place place{is_noise ? Place::Part::kNoises : Place::Part::kStates, group,
+  const Place place{is_noise ? Place::Part::kNoises : Place::Part::kStates, block,
                     static_cast<int>(end), dim};
   end += dim;
   return place;
 }
 
-bool LandmarkGroup::has_noise(Places places) {
+bool SchurBlock::has_noise(Places places) {
   return std::any_of(places.begin(), places.end(),
                      [](const Place* p) { return p->part == Place::Part::kNoises; });
 }
 
-void LandmarkGroup::tie(Places places, Eigen::Index rows) {
+void SchurBlock::tie(Places places, Eigen::Index rows) {
   if (places.size() > 1 && has_noise(places)) rows_ += rows;
   for (const Place* p : places) {
     if (p->part == Place::Part::kCore) ties_[p->offset] = p->dim;
   }
 }
 
-void LandmarkGroup::begin() {
+void SchurBlock::begin() {
   for (auto& [offset, column] : ties_) {
     const int dim = column;
     column = static_cast<int>(columns_.size());
@@ -42,18 +44,18 @@ void LandmarkGroup::begin() {
   g_.noises.setZero(noise_dim_);
 }
 
-void LandmarkGroup::add(const Factor& factor, Places places) {
+void SchurBlock::add(const Factor& factor, Places places) {
   if (!has_noise(places)) return add_row_of_states(factor, places);
   if (places.size() == 1) return add_prior_of_noise(factor, *places.front());
   add_row_with_noise(factor, places);
 }
 
-void LandmarkGroup::add_prior_of_noise(const Factor& factor, const Place& place) {
+void SchurBlock::add_prior_of_noise(const Factor& factor, const Place& place) {
   p_.segment(place.offset, place.dim) += factor.r;
   g_.noises.segment(place.offset, place.dim) += factor.r;
 }
 
-void LandmarkGroup::add_row_with_noise(const Factor& factor, Places places) {
+void SchurBlock::add_row_with_noise(const Factor& factor, Places places) {
   const Eigen::Index rows = factor.r.size();
   r_.segment(row_, rows) = factor.r;
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -72,7 +74,7 @@ void LandmarkGroup::add_row_with_noise(const Factor& factor, Places places) {
   row_ += rows;
 }
 
-void LandmarkGroup::add_row_of_states(const Factor& factor, Places places) {
+void SchurBlock::add_row_of_states(const Factor& factor, Places places) {
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Place& a = *places[i];
     if (a.part != Place::Part::kStates) continue;
@@ -91,7 +93,7 @@ void LandmarkGroup::add_row_of_states(const Factor& factor, Places places) {
   }
 }
 
-void LandmarkGroup::eliminate_noises() {
+void SchurBlock::eliminate_noises() {
   Eigen::MatrixXd M = Eigen::MatrixXd::Identity(rows_, rows_);
   const Eigen::MatrixXd N_D = N_ * D_.cwiseInverse().asDiagonal();
   M.noalias() += N_D * N_.transpose();
@@ -110,7 +112,7 @@ void LandmarkGroup::eliminate_noises() {
   reduced_g_.noalias() += J_states.transpose() * Jr_;
 }
 
-void LandmarkGroup::eliminate(double damping) {
+void SchurBlock::eliminate(double damping) {
   const Eigen::Index n = W_.cols();
   Eigen::VectorXd squares = V_.diagonal();
   D_ = Eigen::VectorXd::Ones(noise_dim_);
@@ -125,20 +127,20 @@ void LandmarkGroup::eliminate(double damping) {
     throw Diverged("the states of a landmark in the window are not determined");
   }
   information_.setZero(n, n);
-  gradient_.setZero(n);
+  core_gradient_.setZero(n);
   if (n == 0) return;  // tied to nothing yet
   if (rows_ > 0) {
     const auto J_core = JX_.rightCols(n);
     information_.selfadjointView<Eigen::Lower>().rankUpdate(J_core.transpose());
-    gradient_.noalias() += J_core.transpose() * Jr_;
+    core_gradient_.noalias() += J_core.transpose() * Jr_;
   }
   if (dim_ == 0) return;
   const Eigen::MatrixXd LW = llt_.matrixL().solve(W_);
   information_.selfadjointView<Eigen::Lower>().rankUpdate(LW.transpose(), -1.0);
-  gradient_.noalias() -= LW.transpose() * llt_.matrixL().solve(reduced_g_);
+  core_gradient_.noalias() -= LW.transpose() * llt_.matrixL().solve(reduced_g_);
 }
 
-LandmarkGroup::Part LandmarkGroup::step(const Eigen::VectorXd& core) const {
+SchurBlock::Part SchurBlock::step(const Eigen::VectorXd& core) const {
   const Eigen::VectorXd tied = core(columns_);
   Part part;
   part.states.resize(dim_);
@@ -153,9 +155,9 @@ LandmarkGroup::Part LandmarkGroup::step(const Eigen::VectorXd& core) const {
   return part;
 }
 
-Eigen::MatrixXd LandmarkGroup::covariance(const Eigen::MatrixXd& E_states,
-                                          const Eigen::MatrixXd& E_noises,
-                                          Eigen::Ref<Eigen::MatrixXd> core) const {
+Eigen::MatrixXd SchurBlock::covariance(const Eigen::MatrixXd& E_states,
+                                       const Eigen::MatrixXd& E_noises,
+                                       Eigen::Ref<Eigen::MatrixXd> core) const {
   Eigen::MatrixXd P = Eigen::MatrixXd::Zero(core.cols(), core.cols());
   Eigen::MatrixXd E = E_states;
   if (rows_ > 0) {

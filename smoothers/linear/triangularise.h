@@ -1,5 +1,5 @@
-// QR of a matrix that is nearly triangular already: rows are taken up when their first column
-// comes.
+// QR of a matrix that is nearly triangular already: a row takes part from the panel on in which its
+// first column is.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-#include "smoothers/solver/triangularise.h"
+#include "smoothers/linear/triangularise.h"
 
 #include <algorithm>
 #include <stdexcept>

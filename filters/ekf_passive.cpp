@@ -1,7 +1,7 @@
 // Which landmarks are in the far part (far_part.h), with the option `deferred`.
 #include <algorithm>
 
-#include "filters/ekf_estimator.h"
+#include "filters/ekf_belief.h"
 
 namespace slammot {
 
@@ -30,7 +30,7 @@ void Ekf::divide(const Frame& frame) {
 
 void Ekf::rest() {
   const double near = state_.covariance.size(), kept = find_resting();
-  const double rows = 2.0 * static_cast<double>(gate_.measured.size());
+  const double rows = 2.0 * static_cast<double>(measured_);
   overspent_ = std::max(0.0, overspent_ + rows * (near * near - 4.0 * kept * kept));
   const double far = state_.size() - kept;
   if (overspent_ <= fold_cost(near, state_.far.adjoint().dim, far)) return;
@@ -46,7 +46,7 @@ int Ekf::find_resting() {
   int rows = JointState::kCamera.dim + (state_.scene ? 1 : 0);
   for (const auto& [track, landmark] : state_.landmarks) {
     if (landmark.is_far()) continue;
-    const bool rests = !landmark.is_free() && landmark.record.unused_frames > kRestAfter &&
+    const bool rests = !landmark.is_free() && frames_ - landmark.last_used > kRestAfter &&
                        linearisation_.is_settled(track);
     if (rests) {
       tracks_.push_back(track);

@@ -1,0 +1,91 @@
+// What an estimator family believes: the joint Gaussian of camera and landmarks, and the few
+// questions in which a filter and a smoother differ. Everything else of a frame is frame_loop.h and
+// landmark_manager.h, the same for every family; a new family implements this interface and
+// inherits gate, labels, depth prior and the life of a landmark.
+//
+// A landmark is named by its track. It is *free* while it has a motion w, else static.
+// Output parameters are replaced; they are handed in so that a warm frame asks for no memory.
+// Every function may throw Diverged.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "estimation/classification.h"
+#include "estimation/depth_prior.h"
+#include "estimation/estimator.h"
+#include "estimation/landmark_estimate.h"
+
+namespace slammot {
+
+// The innovation of one measurement under the predicted belief.
+struct PixelInnovation {
+  Observation z;
+  Eigen::Vector2d nu;    // z - h(x) [px]
+  Eigen::Matrix2d HPHt;  // covariance of h(x), without the pixel's noise [px^2]
+};
+
+// The NIS of a measurement given all others of its frame (label_policy.h).
+struct LeaveOneOut {
+  int track = 0;
+  double nis = 0.0;
+};
+
+// Where a landmark is believed to be.
+struct LandmarkPoint {
+  int track = 0;
+  Eigen::Vector3d anchor;  // W [m]
+  Eigen::Vector3d y;       // (theta, phi, rho) seen from the anchor
+};
+
+class Belief {
+ public:
+  virtual ~Belief() = default;
+
+  // The time update, thesis 2.1.1 and (2.5), by `dt` [s] since the frame before (0: the first
+  // frame). A smoother also lets the oldest frame leave.
+  virtual void predict(const Frame& frame, double dt, StageListener& stages) = 0;
+
+  // A landmark known beforehand enters as static, before the frame's measurements are used.
+  virtual void add_known(const KnownLandmark& known) = 0;
+
+  // Of measurements of landmarks in the belief; those not expected in view (observation.h) are left
+  // out.
+  virtual void innovations(std::span<const Observation> measured,
+                           std::vector<PixelInnovation>& result) = 0;
+
+  // The measurement update with what passed the gate, a part of innovations() in its order.
+  virtual void update(const TrackRecords& records, std::span<const Observation> accepted) = 0;
+
+  // After update(): of its measurements of static landmarks.
+  virtual void leave_one_out(std::vector<LeaveOneOut>& result) = 0;
+
+  // Marginals of landmarks that update() used: rho of static ones at their birth, w of free ones.
+  virtual void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) = 0;
+  virtual void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) = 0;
+
+  // Free landmarks become static, (3.3), as ModelOptions::collapse says: w is marginalised, or w =
+  // 0 is used as a measurement.
+  virtual void collapse(std::span<const int> tracks) = 0;
+
+  // A static landmark is free again from this frame on, its motion's prior restored.
+  virtual void free(int track, const LandmarkPrior& prior) = 0;
+
+  virtual void remove(std::span<const int> tracks, const TrackRecords& records) = 0;
+
+  // A landmark enters at its first pixel, thesis 2.1.3. False when the pixel has no ray.
+  virtual bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) = 0;
+
+  // At the end of a frame, whatever is left to check.
+  virtual void finish() {}
+
+  virtual int state_size() const = 0;  // of the error state
+  virtual CameraEstimate camera() const = 0;
+  virtual void points(std::vector<LandmarkPoint>& result) = 0;  // of all landmarks, by track
+  virtual std::vector<LandmarkBelief> landmarks(std::span<const int> tracks) const = 0;
+
+  // See Estimator::smoothed().
+  virtual std::vector<CameraEstimate> smoothed() { return {}; }
+};
+
+}  // namespace slammot

@@ -1,0 +1,117 @@
+#include "estimation/frame_loop.h"
+
+#include <algorithm>
+
+namespace slammot {
+
+FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, std::unique_ptr<Belief> belief,
+                     std::shared_ptr<const Truth> truth_for_view)
+    : belief_(std::move(belief)),
+      manager_(setup, models, std::move(truth_for_view)),
+      gate_(models.gate_probability, setup.pixel_sigma) {}
+
+FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
+  FrameReport report;
+  stages.begin("predict");
+  belief_->predict(frame, time_since_last(frame), stages);
+  manager_.add_known(frame, *belief_, report);
+
+  stages.begin("gate");
+  gate(frame, report);
+
+  stages.begin("update");
+  belief_->update(manager_.records(), accepted_);
+
+  // Before labels change: these are marginals of the update.
+  stages.begin("marginals");
+  if (manager_.watches_innovations()) {
+    belief_->leave_one_out(given_others_);
+    manager_.note_innovations(given_others_);
+    manager_.note_innovations(rejected_);
+  }
+  manager_.learn_depths(accepted_, *belief_);
+
+  stages.begin("classify");
+  manager_.record(frame.index, accepted_, rejected_, out_of_view_);
+  const std::vector<int>& now_static = manager_.classify(frame.index, accepted_, *belief_);
+  stages.begin("collapse");
+  if (!now_static.empty()) belief_->collapse(now_static);
+  manager_.revert_labels(in_view_, *belief_);
+
+  stages.begin("manage");
+  manager_.prune(frame.index, *belief_, report);
+  manager_.initialise_new(frame, *belief_, report);
+  belief_->finish();
+
+  // Of what the frame leaves behind, like the size of the state.
+  report.state_size = belief_->state_size();
+  belief_->points(points_);
+  report.negative_inverse_depth = static_cast<int>(
+      std::ranges::count_if(points_, [](const LandmarkPoint& p) { return p.y.z() < 0.0; }));
+  return report;
+}
+
+double FrameLoop::time_since_last(const Frame& frame) {
+  if (timestamp_ && !(frame.timestamp > *timestamp_)) {
+    throw std::invalid_argument("the time of a frame must be later than that of the one before");
+  }
+  const double dt = timestamp_ ? frame.timestamp - *timestamp_ : 0.0;
+  timestamp_ = frame.timestamp;
+  return dt;
+}
+
+// Each measurement on its own, against the predicted joint of camera and landmark.
+void FrameLoop::gate(const Frame& frame, FrameReport& report) {
+  measured_.clear();
+  in_view_.clear();
+  accepted_.clear();
+  rejected_.clear();
+  out_of_view_.clear();
+  for (const Observation& z : frame.observations) {
+    if (manager_.knows(z.track)) measured_.push_back(z);
+  }
+  belief_->innovations(measured_, innovations_);
+  for (const PixelInnovation& innovation : innovations_) {
+    in_view_.push_back(innovation.z);
+    const double nis = gate_.nis(innovation.nu, innovation.HPHt);
+    if (gate_.passes(nis)) {
+      accepted_.push_back(innovation.z);
+      report.nis_sum += nis;
+    } else {
+      rejected_.push_back({innovation.z.track, nis});
+    }
+  }
+  auto expected = in_view_.begin();
+  for (const Observation& z : measured_) {
+    if (expected != in_view_.end() && expected->track == z.track) {
+      ++expected;
+    } else {
+      out_of_view_.push_back(z.track);
+    }
+  }
+  report.accepted = static_cast<int>(accepted_.size());
+  report.rejected = static_cast<int>(rejected_.size());
+  report.out_of_view = static_cast<int>(out_of_view_.size());
+}
+
+CameraEstimate FrameLoop::camera() const {
+  CameraEstimate camera = belief_->camera();
+  camera.timestamp = timestamp_.value_or(0.0);
+  return camera;
+}
+
+std::vector<LandmarkEstimate> FrameLoop::landmarks() const {
+  std::vector<int> tracks;
+  for (const auto& [track, record] : manager_.records()) tracks.push_back(track);
+  return manager_.estimates(tracks, *belief_);
+}
+
+std::vector<LandmarkEstimate> FrameLoop::landmarks_measured(int index) const {
+  std::vector<int> tracks;
+  for (const auto& [track, record] : manager_.records()) {
+    if (record.last_frame == index) tracks.push_back(track);
+  }
+  return manager_.estimates(tracks, *belief_);
+}
+
+}  // namespace slammot

@@ -1,0 +1,47 @@
+// One frame of the thesis's algorithm (chapters 2 and 3), the same for every estimator family: a
+// difference in the result is a difference between beliefs.
+//
+// Stages, as a StageListener hears them: predict (a smoother adds marginalise), gate, update,
+// marginals, classify, collapse, manage.
+#pragma once
+
+#include "estimation/belief.h"
+#include "estimation/gate.h"
+#include "estimation/landmark_manager.h"
+
+namespace slammot {
+
+class FrameLoop final : public Estimator {
+ public:
+  // `truth_for_view`: see LandmarkManager. Throws std::invalid_argument as that does.
+  FrameLoop(const Setup& setup, const ModelOptions& models, std::unique_ptr<Belief> belief,
+            std::shared_ptr<const Truth> truth_for_view = nullptr);
+
+  FrameReport process(const Frame& frame, StageListener& stages) override;
+  CameraEstimate camera() const override;
+  std::vector<LandmarkEstimate> landmarks() const override;
+  std::vector<LandmarkEstimate> landmarks_measured(int index) const override;
+  std::vector<CameraEstimate> smoothed(StageListener& /*stages*/) override {
+    return belief_->smoothed();
+  }
+
+  const TrackRecords& records() const { return manager_.records(); }
+
+ private:
+  double time_since_last(const Frame& frame);
+  void gate(const Frame& frame, FrameReport& report);
+
+  std::unique_ptr<Belief> belief_;
+  LandmarkManager manager_;
+  PixelGate gate_;
+  std::optional<double> timestamp_;
+
+  // Of the frame in hand; kept for their memory.
+  std::vector<Observation> measured_, in_view_, accepted_;
+  std::vector<PixelInnovation> innovations_;
+  std::vector<LeaveOneOut> rejected_, given_others_;
+  std::vector<int> out_of_view_;
+  std::vector<LandmarkPoint> points_;
+};
+
+}  // namespace slammot

@@ -1,0 +1,153 @@
+#include "estimation/landmark_manager.h"
+
+#include "models/observation.h"
+
+namespace slammot {
+
+LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
+                                 std::shared_ptr<const Truth> truth_for_view)
+    : setup_(setup),
+      models_(models),
+      functions_(find_landmark(models.landmark)),
+      classifier_(
+          make_classifier(classifier_for(functions_, models.classifier), setup.true_labels)),
+      depth_prior_(learns_depths(models.depth_prior, !setup.known.empty()), setup.prior),
+      truth_(std::move(truth_for_view)) {
+  for (const KnownLandmark& known : setup.known) known_[known.track] = known;
+}
+
+// Before the update, so that their first pixel counts as well. What was stated counts once: a known
+// landmark that was pruned starts anew as an unknown one.
+void LandmarkManager::add_known(const Frame& frame, Belief& belief, FrameReport& report) {
+  if (!first_frame_) first_frame_ = frame.index;
+  for (const Observation& z : frame.observations) {
+    const auto known = known_.find(z.track);
+    if (known == known_.end() || knows(z.track)) continue;
+    belief.add_known(known->second);
+    TrackRecord& record = records_[z.track] =
+        initialised(z.track, frame.index, Label::kStatic, true, setup_.prior);
+    record.known = true;
+    record.observations = 0;
+    known_.erase(known);
+    ++report.admitted;
+  }
+}
+
+void LandmarkManager::record(int frame, std::span<const Observation> accepted,
+                             std::span<const LeaveOneOut> rejected,
+                             std::span<const int> out_of_view) {
+  for (auto& [track, record] : records_) ++record.unused_frames;
+  for (const Observation& z : accepted) note_accepted(records_.at(z.track), frame);
+  for (const LeaveOneOut& z : rejected) note_rejected(records_.at(z.track));
+  for (const int track : out_of_view) note_rejected(records_.at(track));
+}
+
+void LandmarkManager::note_innovations(std::span<const LeaveOneOut> innovations) {
+  for (const LeaveOneOut& z : innovations) {
+    note_innovation(records_.at(z.track), z.nis, models_.labels);
+  }
+}
+
+// From the landmarks that were static before this frame's labels: the marginals are those of the
+// update.
+void LandmarkManager::learn_depths(std::span<const Observation> accepted, Belief& belief) {
+  if (!depth_prior_.learns()) return;
+  tracks_.clear();
+  for (const Observation& z : accepted) {
+    if (records_.at(z.track).label == Label::kStatic) tracks_.push_back(z.track);
+  }
+  belief.inverse_depths(tracks_, depths_);
+  depth_prior_.learn(depths_);
+}
+
+// Thesis 3.1.3, for every landmark measured in this frame whose label is open.
+const std::vector<int>& LandmarkManager::classify(int frame, std::span<const Observation> accepted,
+                                                  Belief& belief) {
+  tracks_.clear();
+  now_static_.clear();
+  for (const Observation& z : accepted) {
+    if (is_asked(records_.at(z.track), models_.labels)) tracks_.push_back(z.track);
+  }
+  belief.motions(tracks_, motions_);
+  for (MotionBelief& motion : motions_) {
+    TrackRecord& record = records_.at(motion.track);
+    motion.prior_sigmas = functions_.prior_sigmas(record.prior);
+    note_answer(record, classifier_->decide(motion), frame);
+    if (record.label == Label::kStatic) now_static_.push_back(motion.track);
+  }
+  return now_static_;
+}
+
+// Only a landmark that was measured in this frame: nothing else can have been said against it.
+void LandmarkManager::revert_labels(std::span<const Observation> measured, Belief& belief) {
+  for (const Observation& z : measured) {
+    TrackRecord& record = records_.at(z.track);
+    if (!is_rejected(record, models_.labels)) continue;
+    note_reverted(record);
+    belief.free(z.track, record.prior);
+  }
+}
+
+// Judged at the estimate. Where Jacobians are taken at the truth it is judged there: what is
+// learnt, and so the covariance, must then not depend on the estimate.
+bool LandmarkManager::expected_in_view(int frame, const CameraState& camera,
+                                       const LandmarkPoint& point) const {
+  if (truth_) {
+    const auto landmark = truth_->landmarks.find(point.track);
+    const TruePoint* at =
+        landmark == truth_->landmarks.end() ? nullptr : landmark->second.at(frame);
+    if (at != nullptr) {
+      const CameraState& c = truth_->cameras.at(frame);
+      const auto projection =
+          setup_.camera.project(c.orientation.conjugate() * (at->position - c.position));
+      return projection && setup_.camera.in_image(projection->pixel);
+    }
+  }
+  return in_view(setup_.camera, camera.position, camera.orientation, point.anchor, point.y);
+}
+
+void LandmarkManager::prune(int frame, Belief& belief, FrameReport& report) {
+  tracks_.clear();
+  belief.points(points_);
+  const CameraState camera = belief.camera().state;
+  for (const LandmarkPoint& point : points_) {
+    TrackRecord& record = records_.at(point.track);
+    if (record.unused_frames > 0) note_unused(record, expected_in_view(frame, camera, point));
+    if (is_pruned(record, models_.policy)) tracks_.push_back(point.track);
+  }
+  if (tracks_.empty()) return;
+  report.retired = estimates(tracks_, belief);
+  belief.remove(tracks_, records_);
+  for (const int track : tracks_) records_.erase(track);
+}
+
+// Thesis 2.1.3: undelayed, at the first pixel.
+void LandmarkManager::initialise_new(const Frame& frame, Belief& belief, FrameReport& report) {
+  unmatched_.clear();
+  for (const Observation& z : frame.observations) {
+    if (!knows(z.track)) unmatched_.push_back(z);
+  }
+  const bool first_frame = frame.index == first_frame_;
+  const LandmarkPrior& prior = depth_prior_.of_new();
+  const auto room = room_for(static_cast<int>(records_.size()), report.accepted, models_.policy);
+  if (unmatched_.size() > room) unmatched_.resize(room);
+  for (const Observation& z : unmatched_) {
+    const Label label = classifier_->at_birth(z.track, first_frame);
+    if (!belief.add(z, prior, label != Label::kStatic)) continue;
+    records_[z.track] = initialised(z.track, frame.index, label, first_frame, prior);
+    ++report.admitted;
+  }
+}
+
+std::vector<LandmarkEstimate> LandmarkManager::estimates(std::span<const int> tracks,
+                                                         const Belief& belief) const {
+  std::vector<LandmarkEstimate> result;
+  if (tracks.empty()) return result;
+  const std::vector<LandmarkBelief> beliefs = belief.landmarks(tracks);
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    result.push_back(landmark_estimate(functions_, records_.at(tracks[i]), beliefs[i]));
+  }
+  return result;
+}
+
+}  // namespace slammot

@@ -1,0 +1,69 @@
+// The EKF's belief: the joint state with its full covariance; see ekf.h for what it is. The
+// functions stand in the order of a frame, here, in ekf.cpp and in the window's files alike.
+#pragma once
+
+#include "estimation/belief.h"
+#include "filters/ekf.h"
+#include "filters/ekf_update.h"
+
+namespace slammot {
+
+class Ekf final : public Belief {
+ public:
+  // Throws std::invalid_argument for an unknown landmark model or linearisation, or options that
+  // exclude each other.
+  Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options);
+
+  void predict(const Frame& frame, double dt, StageListener& stages) override;
+  void add_known(const KnownLandmark& known) override;
+  void innovations(std::span<const Observation> measured,
+                   std::vector<PixelInnovation>& result) override;
+  void update(const TrackRecords& records, std::span<const Observation> accepted) override;
+  void leave_one_out(std::vector<LeaveOneOut>& result) override;
+  void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override;
+  void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override;
+  void collapse(std::span<const int> tracks) override;
+  void free(int track, const LandmarkPrior& prior) override;
+  void remove(std::span<const int> tracks, const TrackRecords& records) override;
+  bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override;
+  void finish() override;
+
+  int state_size() const override { return state_.size(); }
+  CameraEstimate camera() const override;
+  void points(std::vector<LandmarkPoint>& result) override;
+  std::vector<LandmarkBelief> landmarks(std::span<const int> tracks) const override;
+
+  const JointState& state() const { return state_; }
+
+ private:
+  void predict_landmark(int track, FilterLandmark& landmark, double dt);
+  void condition_on_rest(std::span<const int> tracks);
+  StateBlock append_new(const NewLandmark& at, const LandmarkPrior& prior, int dim);
+  FilterAnchor& anchor_here();
+  void insert(int track, const Eigen::Vector3d& y, StateBlock block);
+
+  // ekf_passive.cpp: what of the map is updated at once, with the option `deferred`.
+  void divide(const Frame& frame);
+  void rest();
+  int find_resting();
+
+  Setup setup_;
+  EkfOptions options_;
+  bool condition_;  // on collapse, w = 0 is used
+  const LandmarkFunctions& functions_;
+  JointState state_;
+  Linearisation linearisation_;
+  int frame_ = 0;           // Frame::index of the newest
+  int frames_ = 0;          // predicted so far
+  double overspent_ = 0.0;  // since the last fold, by `deferred`
+
+  // Of the frame in hand; kept for their memory.
+  Innovation innovation_, alone_;
+  std::size_t measured_ = 0;  // how many were, in view
+  std::vector<Observation> counting_, pending_;
+  std::vector<double> nis_;
+  std::vector<int> tracks_;   // to remove, or to rest
+  std::vector<int> anchors_;  // of landmarks that stay near
+};
+
+}  // namespace slammot

@@ -1,0 +1,32 @@
+// The prior of all variables, as p(b) p(x | b): of the active ones b in square-root form, of the
+// inactive ones x given them. Both are kept at the same b0, with the same columns.
+#pragma once
+
+#include "smoothers/graph/conditional_map.h"
+#include "smoothers/graph/marginal_prior.h"
+
+namespace slammot {
+
+struct Prior {
+  MarginalPrior active;
+  ConditionalMap inactive;
+
+  // Whether Jacobians of the prior's variables stay where they were first taken.
+  bool first_estimates() const { return active.first_estimates(); }
+
+  // Expresses the prior at the current estimate, to first order.
+  void relinearise() {
+    inactive.relinearise(active);
+    active.relinearise();
+  }
+
+  // Conditions on b_i = 0 exactly; nothing to do when the prior does not touch that variable.
+  void condition_on_zero(VariableId id) {
+    const MarginalPrior::Block* block = active.find(id);
+    if (!block) return;
+    inactive.condition_on_zero(*block);
+    active.condition_on_zero(id);
+  }
+};
+
+}  // namespace slammot

@@ -1,0 +1,65 @@
+// The cameras in a sliding window: two variables a frame, and what was believed of those that left.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <set>
+
+#include "models/camera_motion.h"
+#include "models/measurement.h"
+#include "models/truth.h"
+#include "smoothers/graph/camera_manifold.h"
+#include "smoothers/graph/graph.h"
+
+namespace slammot {
+
+struct WindowFrame {
+  int number = 0;  // counted from the first frame processed
+  int index = 0;   // Frame::index
+  double timestamp = 0.0;
+  VariableId position = 0;  // lives on as the anchor of the landmarks initialised here
+  VariableId motion = 0;
+  std::set<FactorId> birth_priors;  // of these landmarks; they leave with the frame
+};
+
+class CameraWindow {
+ public:
+  // `truth`: none, or where the cameras' Jacobians are taken.
+  CameraWindow(Graph& graph, std::shared_ptr<const Truth> truth)
+      : graph_(graph), truth_(std::move(truth)) {}
+
+  // The first camera with its prior; each later one at its prediction, thesis 2.1.1, with its
+  // motion factor. Throws std::invalid_argument for a singular motion noise.
+  void start(const Frame& frame, const InitialCamera& initial);
+  void advance(const Frame& frame, double dt, const MotionNoise& noise);
+
+  // Takes the oldest out of the window; its variables are the caller's to marginalise.
+  WindowFrame leave();
+
+  const std::deque<WindowFrame>& frames() const { return frames_; }
+  const WindowFrame& oldest() const { return frames_.front(); }
+  const WindowFrame& newest() const { return frames_.back(); }
+  WindowFrame& newest() { return frames_.back(); }
+  // The frame whose position this is; frames().end() when it has left.
+  std::deque<WindowFrame>::const_iterator find(VariableId position) const;
+
+  CameraState state(const WindowFrame& frame) const;
+  CameraState linearisation_point(const WindowFrame& frame) const;
+
+  struct Left {
+    double timestamp;
+    CameraState state;  // as it was believed when it left
+  };
+  const std::vector<Left>& left() const { return left_; }
+
+ private:
+  void add(const Frame& frame, int number, const CameraState& x);
+
+  Graph& graph_;
+  std::shared_ptr<const Truth> truth_;
+  MotionManifold manifold_;
+  std::deque<WindowFrame> frames_;
+  std::vector<Left> left_;
+};
+
+}  // namespace slammot

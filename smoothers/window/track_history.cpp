@@ -1,0 +1,40 @@
+#include "smoothers/window/track_history.h"
+
+namespace slammot {
+
+void TrackHistories::begin(int track, int frame, bool known) {
+  TrackHistory& history = open_[track] = {};
+  history.first = frame;
+  history.known = known;
+}
+
+void TrackHistories::measured(int track, int frame, const Eigen::Vector2d& pixel) {
+  open_.at(track).pixels.emplace_back(frame, pixel);
+}
+
+void TrackHistories::passed(int track, std::span<const LandmarkVector> states) {
+  std::vector<LandmarkVector>& all = open_.at(track).states;
+  all.insert(all.end(), states.begin(), states.end());
+}
+
+void TrackHistories::rested_until(int track, int frame, const LandmarkVector& state) {
+  TrackHistory& history = open_.at(track);
+  const auto count = static_cast<std::size_t>(frame - history.first);
+  if (history.states.size() < count) history.states.resize(count, state);
+}
+
+void TrackHistories::end(const TrackRecord& record, int frame, bool is_free,
+                         std::span<const LandmarkVector> states) {
+  const int track = record.track;
+  open_.at(track).record = record;
+  if (!open_.at(track).is_free()) {
+    open_.at(track).states.clear();
+  } else if (!is_free) {
+    rested_until(track, frame, states.back());
+  }
+  passed(track, states);
+  ended_.push_back(std::move(open_.at(track)));
+  open_.erase(track);
+}
+
+}  // namespace slammot

@@ -1,0 +1,273 @@
+// The frame loop and the landmark manager, driven with a belief that is told what to say: what they
+// ask, in which order, and what they make of the answers.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "estimation/frame_loop.h"
+
+namespace slammot {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+// A landmark of the fake: free or not, and what is believed of it.
+struct FakeLandmark {
+  bool is_free = false;
+  double error = 0.0;  // of its pixel, [sigma of the innovation]
+  double speed = 0.0;  // believed [m/s]
+  double speed_sigma = 1.0;
+  double leave_one_out = 0.0;
+  bool in_view = true;
+};
+
+class FakeBelief final : public Belief {
+ public:
+  explicit FakeBelief(std::vector<std::string>& calls) : calls_(calls) {}
+
+  void predict(const Frame& frame, double dt, StageListener&) override {
+    call("predict");
+    camera_.timestamp = frame.timestamp;
+    last_dt = dt;
+  }
+  void add_known(const KnownLandmark& known) override {
+    call("add_known");
+    state[known.track];
+  }
+  void innovations(std::span<const Observation> measured,
+                   std::vector<PixelInnovation>& result) override {
+    call("innovations");
+    result.clear();
+    for (const Observation& z : measured) {
+      if (!state.at(z.track).in_view) continue;
+      result.push_back({z, {state.at(z.track).error, 0.0}, Eigen::Matrix2d::Zero()});
+    }
+  }
+  void update(const TrackRecords&, std::span<const Observation> accepted) override {
+    call("update");
+    used.clear();
+    for (const Observation& z : accepted) used.push_back(z.track);
+  }
+  void leave_one_out(std::vector<LeaveOneOut>& result) override {
+    call("leave_one_out");
+    result.clear();
+    for (const int track : used) result.push_back({track, state.at(track).leave_one_out});
+  }
+  void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override {
+    call("inverse_depths");
+    result.assign(tracks.size(), {0.5, 0.001});
+  }
+  void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override {
+    call("motions");
+    asked.assign(tracks.begin(), tracks.end());
+    result.clear();
+    for (const int track : tracks) {
+      MotionBelief motion;
+      motion.track = track;
+      motion.w = Eigen::Vector3d::UnitX() * state.at(track).speed;
+      const double sigma = state.at(track).speed_sigma;
+      motion.covariance = sigma * sigma * Eigen::Matrix3d::Identity();
+      result.push_back(motion);
+    }
+  }
+  void collapse(std::span<const int> tracks) override {
+    call("collapse");
+    for (const int track : tracks) state.at(track).is_free = false;
+  }
+  void free(int track, const LandmarkPrior&) override {
+    call("free");
+    state.at(track).is_free = true;
+  }
+  void remove(std::span<const int> tracks, const TrackRecords& records) override {
+    call("remove");
+    for (const int track : tracks) {
+      EXPECT_TRUE(records.contains(track));
+      state.erase(track);
+    }
+  }
+  bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override {
+    call("add");
+    if (z.track == kNoRay) return false;
+    newest_prior = prior;
+    state[z.track].is_free = is_free;
+    return true;
+  }
+  void finish() override { call("finish"); }
+  int state_size() const override { return static_cast<int>(state.size()); }
+  CameraEstimate camera() const override { return camera_; }
+  void points(std::vector<LandmarkPoint>& result) override {
+    result.clear();
+    for (const auto& [track, l] : state) {
+      result.push_back({track, Eigen::Vector3d::Zero(), {0.0, 0.0, l.in_view ? 0.5 : -0.5}});
+    }
+  }
+  std::vector<LandmarkBelief> landmarks(std::span<const int> tracks) const override {
+    LandmarkBelief belief;
+    belief.anchor.setZero();
+    belief.y = {0.0, 0.0, 0.5};
+    belief.covariance = Eigen::MatrixXd::Identity(6, 6);
+    return std::vector<LandmarkBelief>(tracks.size(), belief);
+  }
+
+  static constexpr int kNoRay = 99;
+  std::map<int, FakeLandmark> state;
+  std::vector<int> used, asked;
+  LandmarkPrior newest_prior;
+  double last_dt = -1.0;
+
+ private:
+  void call(const char* name) { calls_.emplace_back(name); }
+
+  std::vector<std::string>& calls_;
+  CameraEstimate camera_;
+};
+
+class FrameLoopOf : public testing::Test {
+ protected:
+  FrameLoopOf() {
+    setup_.camera.fx = setup_.camera.fy = 400.0;
+    setup_.camera.cx = 320.0;
+    setup_.camera.cy = 240.0;
+  }
+
+  void start(const ModelOptions& models) {
+    auto belief = std::make_unique<FakeBelief>(calls_);
+    belief_ = belief.get();
+    loop_ = std::make_unique<FrameLoop>(setup_, models, std::move(belief));
+  }
+
+  FrameReport frame(std::vector<int> tracks) {
+    Frame frame{index_, 0.1 * index_, {}};
+    ++index_;
+    for (const int track : tracks) frame.observations.push_back({track, {320.0, 240.0}});
+    calls_.clear();
+    return loop_->process(frame, stages_);
+  }
+
+  Label label(int track) const { return loop_->records().at(track).label; }
+
+  slammot::Setup setup_;
+  std::vector<std::string> calls_;
+  FakeBelief* belief_ = nullptr;
+  std::unique_ptr<FrameLoop> loop_;
+  NoStages stages_;
+  int index_ = 0;
+};
+
+TEST_F(FrameLoopOf, AsksInTheOrderOfTheThesis) {
+  setup_.known = {{7, {0.0, 0.0, 2.0}, 0.01}};
+  start({});
+  frame({1, 7});
+  EXPECT_THAT(calls_, ElementsAre("predict", "add_known", "innovations", "update", "leave_one_out",
+                                  "inverse_depths", "motions", "add", "finish"));
+  EXPECT_EQ(belief_->last_dt, 0.0);
+  frame({1, 2, 7});
+  EXPECT_NEAR(belief_->last_dt, 0.1, 1e-15);
+  frame({1, 2, 7});
+  EXPECT_THAT(belief_->asked, ElementsAre(2));  // of the first frame's no label is open
+  Frame again{index_, 0.1 * (index_ - 1), {}};
+  EXPECT_THROW(loop_->process(again, stages_), std::invalid_argument);
+}
+
+TEST_F(FrameLoopOf, GatesEachMeasurementOnItsOwn) {
+  start({});
+  frame({1, 2, 3});
+  belief_->state.at(2).error = 100.0;
+  belief_->state.at(3).in_view = false;
+  const FrameReport report = frame({1, 2, 3});
+  EXPECT_THAT(belief_->used, ElementsAre(1));
+  EXPECT_EQ(report.accepted, 1);
+  EXPECT_EQ(report.rejected, 1);
+  EXPECT_EQ(report.out_of_view, 1);
+  EXPECT_EQ(report.negative_inverse_depth, 1);
+  EXPECT_EQ(report.state_size, 3);
+}
+
+TEST_F(FrameLoopOf, ClassifiesAndCollapses) {
+  start({});
+  frame({});
+  EXPECT_EQ(frame({1, 2, 3}).admitted, 3);  // after the first frame: unknown
+  belief_->state.at(1) = {true, 0.0, 0.0, 0.1};
+  belief_->state.at(2) = {true, 0.0, 5.0, 0.1};
+  belief_->state.at(3) = {true, 0.0, 1.0, 2.0};
+  frame({1, 2, 3});
+  EXPECT_EQ(label(1), Label::kStatic);
+  EXPECT_EQ(label(2), Label::kMoving);
+  EXPECT_EQ(label(3), Label::kUnknown);
+  EXPECT_FALSE(belief_->state.at(1).is_free);
+  EXPECT_TRUE(belief_->state.at(2).is_free);
+}
+
+TEST_F(FrameLoopOf, RevertsAStaticLabelThatTheOtherMeasurementsReject) {
+  start({});
+  frame({1, 2});
+  belief_->state.at(1).leave_one_out = 30.0;
+  frame({1, 2});
+  EXPECT_EQ(label(1), Label::kStatic);  // a single outlier is the gate's business
+  frame({1, 2});
+  EXPECT_EQ(label(1), Label::kUnknown);
+  EXPECT_EQ(label(2), Label::kStatic);
+  EXPECT_TRUE(belief_->state.at(1).is_free);
+
+  ModelOptions one_way;
+  one_way.labels.rule = LabelRule::kOneWay;
+  start(one_way);
+  index_ = 0;
+  frame({1});
+  belief_->state.at(1).leave_one_out = 30.0;
+  for (int i = 0; i < 5; ++i) frame({1});
+  EXPECT_EQ(label(1), Label::kStatic);
+  EXPECT_THAT(calls_, testing::Not(testing::Contains("leave_one_out")));
+}
+
+TEST_F(FrameLoopOf, PrunesWhatIsNotMeasuredAndStartsItsTrackAnew) {
+  ModelOptions models;
+  models.policy.prune_after = 2;
+  start(models);
+  frame({});
+  frame({1});
+  EXPECT_EQ(loop_->records().at(1).label, Label::kUnknown);
+  frame({});
+  frame({});
+  const FrameReport report = frame({});
+  ASSERT_EQ(report.retired.size(), 1u);
+  EXPECT_EQ(report.retired[0].track, 1);
+  EXPECT_THAT(loop_->records(), IsEmpty());
+  EXPECT_EQ(frame({1}).admitted, 1);
+}
+
+TEST_F(FrameLoopOf, PrunesAStaticLandmarkThatShouldBeInViewAndIsNot) {
+  ModelOptions models;
+  models.policy.prune_missed_after = 3;
+  start(models);
+  frame({1, 2});
+  belief_->state.at(2).in_view = true;
+  for (int i = 0; i < 3; ++i) frame({1});
+  EXPECT_TRUE(loop_->records().contains(2));  // straight ahead of the camera, three frames missed
+  frame({1});
+  EXPECT_FALSE(loop_->records().contains(2));
+}
+
+TEST_F(FrameLoopOf, AdmitsWhatThereIsRoomFor) {
+  ModelOptions models;
+  models.policy.max_visible = 2;
+  start(models);
+  EXPECT_EQ(frame({1, 2, 3}).admitted, 2);
+  EXPECT_EQ(frame({1, 2, 3}).admitted, 0);  // two are measured
+  EXPECT_EQ(frame({1, 3}).admitted, 1);
+  EXPECT_EQ(frame({FakeBelief::kNoRay}).admitted, 0);
+  EXPECT_FALSE(loop_->records().contains(FakeBelief::kNoRay));
+}
+
+TEST_F(FrameLoopOf, LearnsTheDepthPriorFromStaticLandmarks) {
+  ModelOptions models;
+  models.depth_prior = DepthPriorSource::kEmpirical;
+  start(models);
+  frame({1, 2, 3, 4});
+  EXPECT_EQ(belief_->newest_prior.inverse_depth, setup_.prior.inverse_depth);
+  frame({1, 2, 3, 4, 5});
+  EXPECT_GT(belief_->newest_prior.inverse_depth, setup_.prior.inverse_depth);  // towards 0.5
+}
+
+}  // namespace
+}  // namespace slammot
