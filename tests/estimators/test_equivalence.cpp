@@ -5,6 +5,7 @@
 #include "datasets/simulation/scenario.h"
 #include "eval/configuration/setup.h"
 #include "filters/ekf.h"
+#include "models/landmarks/landmark_models.h"
 #include "smoothers/batch.h"
 #include "smoothers/window/window.h"
 #include "tests/estimators/linearisation_fixture.h"
@@ -138,7 +139,8 @@ std::vector<Case> cases() {
 INSTANTIATE_TEST_SUITE_P(Models, OneFrameOf, testing::ValuesIn(cases()), [](const auto& tested) {
   return tested.param.landmark + "_" + tested.param.collapse + "_" + tested.param.classifier + "_" +
          tested.param.labels + "_" + tested.param.depth_prior +
-         (tested.param.inverse_depth_sigma > 0.0 ? "_wide" : "");
+         (tested.param.inverse_depth_sigma > 0.0 ? "_wide" : "") +
+         (tested.param.mean_sigma > 0.0 ? "_scene" : "");
 });
 
 // With Jacobians at the truth they are two linearisations of one model: the window's motion factor

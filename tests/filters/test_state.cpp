@@ -153,7 +153,7 @@ TEST(Keep, LeavesTheInnovationOfWhatWasAccepted) {
 // common with the others.
 TEST(RemoveLandmarks, LeavesTheMarginalOfTheRest) {
   JointState state = scene(4);
-  state.free_motion(3, 0.5);
+  state.free_motion(3, MotionVector::Constant(3, 0.5));
   for (unsigned k = 1; k <= 3; ++k) step(state, pixels_of(state, k));
   const auto marginal = [&] {
     const FilterLandmark &a = state.landmarks.at(1), &b = state.landmarks.at(3);
