@@ -4,16 +4,16 @@
 #include <algorithm>
 #include <memory>
 
-#include "apps/command_line.h"
 #include "apps/commands.h"
-#include "apps/configuration_options.h"
-#include "apps/draw_run.h"
-#include "apps/progress.h"
-#include "apps/sequence_source.h"
+#include "apps/support/command_line.h"
+#include "apps/support/configuration_options.h"
+#include "apps/support/draw_run.h"
+#include "apps/support/progress.h"
+#include "apps/support/sequence_source.h"
 #include "datasets/readers/reader.h"
 #include "eval/compare/compare.h"
 #include "eval/configuration/registry.h"
-#include "eval/metrics/metrics_table.h"
+#include "eval/output/metrics_table.h"
 #include "eval/report/report_generator.h"
 
 namespace slammot {
@@ -56,9 +56,9 @@ Sequence obtain(const CompareArguments& arguments, const std::filesystem::path& 
 }
 
 // The report takes them from each run's folder.
-void draw_all(const std::vector<ComparedResult>& results, const Sequence& sequence,
+void draw_all(const std::vector<NamedMetrics>& results, const Sequence& sequence,
               const std::filesystem::path& output, Progress& progress) {
-  for (const ComparedResult& result : results) {
+  for (const NamedMetrics& result : results) {
     const auto run = output / result.label;
     draw_run(run, sequence, run / "pictures", [&](int done, int total) {
       progress.show("pictures of " + result.label, done, total);
@@ -66,7 +66,7 @@ void draw_all(const std::vector<ComparedResult>& results, const Sequence& sequen
   }
 }
 
-int finish(const std::vector<ComparedResult>& results, const std::filesystem::path& output) {
+int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path& output) {
   fmt::print("\n{}\n", metrics_table(results));
   std::fflush(stdout);
   const bool diverged = std::any_of(results.begin(), results.end(),

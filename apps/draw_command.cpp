@@ -1,13 +1,13 @@
-// slammot draw RUN: what it believed, frame by frame, over the images and on a map.
+// slammot draw RUN: its estimates, frame by frame, over the images and on a map.
 #include <fmt/format.h>
 
 #include <memory>
 
 #include "apps/commands.h"
-#include "apps/draw_run.h"
-#include "apps/progress.h"
+#include "apps/support/draw_run.h"
+#include "apps/support/progress.h"
 #include "datasets/readers/reader.h"
-#include "eval/result/run_reader.h"
+#include "eval/output/run_reader.h"
 
 namespace slammot {
 namespace {

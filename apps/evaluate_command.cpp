@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "apps/commands.h"
-#include "eval/metrics/metrics_json.h"
-#include "eval/metrics/metrics_table.h"
+#include "eval/output/metrics_json.h"
+#include "eval/output/metrics_table.h"
 #include "eval/run/evaluate.h"
 
 namespace slammot {
@@ -19,7 +19,7 @@ struct EvaluateArguments {
 };
 
 void execute(const EvaluateArguments& arguments) {
-  std::vector<ComparedResult> results;
+  std::vector<NamedMetrics> results;
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const std::string& folder : arguments.runs) {
     results.push_back(

@@ -9,6 +9,7 @@
 #include "datasets/simulation/scenario.h"
 #include "eval/configuration/model_names.h"
 #include "eval/configuration/registry.h"
+#include "eval/metrics/metric.h"
 
 namespace slammot {
 namespace {
@@ -26,8 +27,14 @@ struct Listing {
 constexpr Listing kListings[] = {
     {"estimators", [] { print_table(estimator_table()); }},
     {"landmarks", [] { print_table(landmark_list()); }},
-    {"motions", [] { print_table(motion_list()); }},
+    {"motions", [] { print_table(motion_table()); }},
     {"classifiers", [] { print_table(classifier_list()); }},
+    {"metrics",
+     [] {
+       for (const Metric& metric : metric_table()) {
+         fmt::print("{:<40} {:<6} {}\n", metric.key, metric.unit, metric.caption);
+       }
+     }},
     {"scenarios", [] { print_table(scenario_table()); }},
     {"readers",
      [] {

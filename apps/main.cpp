@@ -3,8 +3,8 @@
 #include <exception>
 #include <stdexcept>
 
-#include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/support/command_line.h"
 #include "datasets/sequence/sequence.h"
 #include "eval/run/process.h"
 

@@ -3,15 +3,16 @@
 
 #include <memory>
 
-#include "apps/command_line.h"
 #include "apps/commands.h"
-#include "apps/configuration_options.h"
-#include "apps/progress.h"
-#include "apps/sequence_source.h"
+#include "apps/support/command_line.h"
+#include "apps/support/configuration_options.h"
+#include "apps/support/progress.h"
+#include "apps/support/sequence_source.h"
 #include "datasets/readers/reader.h"
 #include "eval/configuration/registry.h"
-#include "eval/metrics/metrics_table.h"
-#include "eval/result/run_writer.h"
+#include "eval/output/metrics_table.h"
+#include "eval/output/run_writer.h"
+#include "eval/run/run.h"
 
 namespace slammot {
 namespace {
@@ -35,11 +36,9 @@ int execute(const RunArguments& arguments) {
   DriveOptions options;
   options.landmarks_every_frame = arguments.landmarks == "every-frame";
   options.progress = [&](int done, int total) { progress.show(arguments.estimator, done, total); };
-  const RunResult run = run_estimator(sequence, configuration, arguments.estimator, options);
+  const auto [effective, run, metrics] =
+      run_and_evaluate(sequence, configuration, arguments.estimator, options);
   progress.clear();
-  const Configuration effective =
-      effective_configuration(sequence, configuration, arguments.estimator);
-  const RunMetrics metrics = compute_metrics(sequence, run, effective.model.gate_probability);
   write_run(output,
             {command_line(), arguments.estimator, sequence.folder, sequence.name, sequence.sha256,
              std::nullopt, effective},

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "apps/commands.h"
-#include "apps/sequence_source.h"
+#include "apps/support/sequence_source.h"
 #include "datasets/simulation/scenario.h"
 #include "datasets/simulation/scene/parameters.h"
 #include "frontend/rendering/render.h"

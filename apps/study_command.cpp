@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "apps/commands.h"
-#include "apps/progress.h"
+#include "apps/support/progress.h"
 #include "eval/report/report_generator.h"
 #include "eval/study/study_driver.h"
 #include "eval/study/study_summary.h"

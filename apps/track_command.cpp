@@ -5,9 +5,9 @@
 #include <fstream>
 #include <memory>
 
-#include "apps/command_line.h"
 #include "apps/commands.h"
-#include "apps/progress.h"
+#include "apps/support/command_line.h"
+#include "apps/support/progress.h"
 #include "datasets/native/native_settings.h"
 #include "datasets/native/native_writer.h"
 #include "datasets/readers/image_reader.h"

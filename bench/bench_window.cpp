@@ -23,7 +23,7 @@ void window_frame(benchmark::State& state) {
                                 .visible = static_cast<int>(state.range(0))};
   const Corridor corridor = make_corridor(options);
   Configuration configuration = corridor_configuration(options);
-  configuration.model.policy.retain = "window";
+  configuration.model.policy.retain = Retain::kWindow;
   configuration.window.frames = static_cast<int>(state.range(1));
   for (auto _ : state) {
     const FrameTimes window =
@@ -59,13 +59,13 @@ void static_window(benchmark::State& state) {
                                 .moving_fraction = 0.0};
   const Corridor corridor = make_corridor(options);
   Configuration configuration = corridor_configuration(options);
-  configuration.model.policy.retain = "window";
+  configuration.model.policy.retain = Retain::kWindow;
   configuration.model.classifier.name = "all_static";
-  configuration.model.labels.name = "one_way";
+  configuration.model.labels.rule = LabelRule::kOneWay;
   Configuration converged =
       configuration;  // what any smoother of this model and graph converges to
   converged.window.iterations = 50;
-  converged.window.negligible = 1e-16;
+  converged.window.cost_tolerance = 1e-16;
   for (auto _ : state) {
     const FrameTimes times =
         time_frames(corridor.setup, corridor.frames, "window", configuration, kWarm);

@@ -1,4 +1,5 @@
-// Calibration: time-averaged ANEES of the pose on `matched` with true labels, where theory says 6.
+// Calibration: time-averaged ANEES of the pose on `model_matched` with true labels, where theory
+// says 6.
 //
 //   slammot_calibration --estimator batch --runs 50
 #include <tbb/parallel_for.h>
@@ -35,7 +36,7 @@ int main(int argc, char** argv) {
   std::string name = "ekf";
   int runs = 50;
   std::vector<std::string> settings, scene;
-  CLI::App app("slammot calibration: ANEES of the pose on `matched`, labels given");
+  CLI::App app("slammot calibration: ANEES of the pose on `model_matched`, labels given");
   app.add_option("--estimator", name, "a row of the registry");
   app.add_option("--runs", runs, "seeds 1 to this");
   app.add_option("--set", settings, "configuration keys");
@@ -47,7 +48,7 @@ int main(int argc, char** argv) {
   slammot::assign(configuration, {"landmark", "dynamic_inverse_depth"});
   slammot::assign(configuration, {"classifier", "truth"});
   slammot::assign(configuration, {"labels", "one_way"});
-  slammot::assign(configuration, {"prior.source", "stated"});
+  slammot::assign(configuration, {"prior.source", "fixed"});
   for (const std::string& text : settings) {
     slammot::assign(configuration, slammot::parse_assignment(text));
   }
@@ -59,7 +60,7 @@ int main(int argc, char** argv) {
   std::vector<Outcome> outcomes(static_cast<std::size_t>(runs));
   tbb::parallel_for(0, runs, [&](int i) {
     const slammot::Sequence sequence =
-        slammot::simulate("matched", parameters, static_cast<unsigned>(i + 1));
+        slammot::simulate("model_matched", parameters, static_cast<unsigned>(i + 1));
     const slammot::RunResult run = slammot::run_estimator(sequence, configuration, name);
     Outcome& outcome = outcomes[static_cast<std::size_t>(i)];
     outcome.diverged = run.diverged.has_value();

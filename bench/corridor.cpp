@@ -87,9 +87,9 @@ Corridor make_corridor(const CorridorOptions& options) {
 
 Configuration corridor_configuration(const CorridorOptions& options) {
   Configuration configuration;
-  configuration.model.labels.name = "one_way";  // what is timed is the thesis's filter
-  configuration.model.collapse = "drop";
-  configuration.model.depth_prior = "stated";
+  configuration.model.labels.rule = LabelRule::kOneWay;  // what is timed is the thesis's filter
+  configuration.model.collapse = Collapse::kDrop;
+  configuration.model.depth_prior = DepthPriorSource::kFixed;
   configuration.model.policy.max_visible = options.visible;
   configuration.model.policy.max_landmarks = 100000;
   return configuration;

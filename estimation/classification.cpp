@@ -3,8 +3,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
-#include <string>
+
+#include "models/find_row.h"
 
 namespace slammot {
 
@@ -114,10 +114,7 @@ std::span<const ClassifierRow> classifier_table() { return kTable; }
 
 std::unique_ptr<Classifier> make_classifier(const ClassifierOptions& options,
                                             const std::map<int, Label>& true_labels) {
-  for (const ClassifierRow& row : classifier_table()) {
-    if (row.name == options.name) return row.make(options, true_labels);
-  }
-  throw std::invalid_argument("unknown classifier '" + options.name + "'");
+  return find_row(classifier_table(), options.name, "classifier").make(options, true_labels);
 }
 
 }  // namespace slammot

@@ -63,11 +63,9 @@ LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, std::span<SeenDept
   return learnt;
 }
 
-bool learns_depths(const std::string& source, bool some_are_known) {
-  if (source == "auto") return some_are_known;
-  if (source == "map") return true;
-  if (source == "stated") return false;
-  throw std::invalid_argument("unknown source '" + source + "' of the depth prior");
+bool learns_depths(DepthPriorSource source, bool some_are_known) {
+  return source == DepthPriorSource::kAuto ? some_are_known
+                                           : source == DepthPriorSource::kEmpirical;
 }
 
 }  // namespace slammot

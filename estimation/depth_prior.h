@@ -22,8 +22,8 @@
 #pragma once
 
 #include <span>
-#include <string>
 
+#include "estimation/options.h"
 #include "models/measurement.h"
 
 namespace slammot {
@@ -41,8 +41,8 @@ struct SeenDepth {
 // than the rest moved back.
 LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, std::span<SeenDepth> seen);
 
-// Whether the source (auto | map | stated) learns. Throws std::invalid_argument for another.
-bool learns_depths(const std::string& source, bool some_are_known);
+// Whether depths are learnt from the map; kAuto: where the depth of some landmark is known.
+bool learns_depths(DepthPriorSource source, bool some_are_known);
 
 class DepthPrior {
  public:

@@ -7,7 +7,7 @@ namespace slammot {
 
 namespace {
 
-bool reversible(const LabelOptions& options) { return options.name == "reversible"; }
+bool reversible(const LabelOptions& options) { return options.rule == LabelRule::kReversible; }
 
 }  // namespace
 

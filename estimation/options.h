@@ -7,13 +7,20 @@
 
 namespace slammot {
 
+// The closed choices of the configuration. Their names in text stand in
+// eval/configuration/configuration_keys.cpp alone.
+enum class LabelRule { kOneWay, kReversible };  // for ever (thesis) | withdrawn when rejected
+enum class Collapse { kDrop, kCondition };      // on static: marginalise v (thesis) | use v = 0
+enum class Retain { kMap, kWindow };  // static landmarks stay while unseen | are pruned too
+enum class DepthPriorSource { kAuto, kEmpirical, kFixed };  // see depth_prior.h
+
 // Admission, removal and the size of the map; see track_policy.h.
 struct TrackPolicy {
-  int max_landmarks = 1000;    // landmarks in the state at once; later births wait
-  int max_visible = 60;        // births wait while this many landmarks are being measured
-  int lost_after = 5;          // frames without an accepted measurement until a landmark is lost
-  int missed_after = 30;       // frames that should have shown it, until a static one is lost
-  std::string retain = "map";  // map: static landmarks stay while unseen; window: they are lost too
+  int max_landmarks = 1000;     // landmarks in the state at once; later births wait
+  int max_visible = 60;         // births wait while this many landmarks are being measured
+  int prune_after = 5;          // frames without an accepted measurement until it is pruned
+  int prune_missed_after = 30;  // frames that should have shown it, until a static one is pruned
+  Retain retain = Retain::kMap;
 };
 
 struct ClassifierOptions {
@@ -27,20 +34,19 @@ struct ClassifierOptions {
 
 // Whether labels may be taken back; see label_policy.h.
 struct LabelOptions {
-  std::string name = "reversible";  // one_way (thesis) | reversible
-  int window = 10;                  // reversible: innovations that testify against a static label
-  double probability = 1e-4;        // reversible: of a right label being rejected in a frame
+  LabelRule rule = LabelRule::kReversible;
+  int window = 10;            // reversible: innovations in the test of a static label
+  double probability = 1e-4;  // reversible: of a right label being rejected in a frame
 };
 
 struct ModelOptions {
   std::string landmark = "scaled_velocity";  // a row of the estimators' landmark tables
-  std::string collapse =
-      "condition";  // on static: `drop` marginalises v (thesis), `condition` uses v = 0
+  Collapse collapse = Collapse::kCondition;
   double gate_probability = 0.95;  // of a correct measurement passing the chi-square gate
   ClassifierOptions classifier;
   LabelOptions labels;
   TrackPolicy policy;
-  std::string depth_prior = "auto";  // of newborn landmarks: stated | map | auto, see depth_prior.h
+  DepthPriorSource depth_prior = DepthPriorSource::kAuto;  // of new landmarks
 };
 
 }  // namespace slammot

@@ -39,10 +39,10 @@ void note_decision(TrackRecord& record, Label label, int frame) {
 }
 
 bool is_pruned(const TrackRecord& record, const TrackPolicy& policy) {
-  if (record.rejected_in_row > policy.lost_after) return true;
-  if (record.missed > policy.missed_after) return true;
-  const bool kept_for_ever = record.label == Label::kStatic && policy.retain == "map";
-  return !kept_for_ever && record.unused_frames > policy.lost_after;
+  if (record.rejected_in_row > policy.prune_after) return true;
+  if (record.missed > policy.prune_missed_after) return true;
+  const bool kept_for_ever = record.label == Label::kStatic && policy.retain == Retain::kMap;
+  return !kept_for_ever && record.unused_frames > policy.prune_after;
 }
 
 std::size_t room_for(int landmarks, int visible, const TrackPolicy& policy) {

@@ -9,10 +9,10 @@ namespace slammot {
 Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options)
     : setup_(setup),
       options_(options),
-      condition_(models.collapse == "condition"),
+      condition_(models.collapse == Collapse::kCondition),
       functions_(find_landmark(models.landmark)),
       linearisation_(options.linearisation, functions_, setup.truth) {
-  if (options.deferred && options.linearisation == "invariant") {
+  if (options.deferred && options.linearisation == FilterLinearisation::kInvariant) {
     throw std::invalid_argument(
         "ekf.deferred cannot go with linearisation invariant, which changes far rows at each "
         "update");
@@ -170,8 +170,9 @@ std::vector<LandmarkBelief> Ekf::landmarks(std::span<const int> tracks) const {
 
 std::unique_ptr<Estimator> make_ekf(const Setup& setup, const ModelOptions& models,
                                     const EkfOptions& options) {
-  return std::make_unique<FrameLoop>(setup, models, std::make_unique<Ekf>(setup, models, options),
-                                     options.linearisation == "ideal" ? setup.truth : nullptr);
+  return std::make_unique<FrameLoop>(
+      setup, models, std::make_unique<Ekf>(setup, models, options),
+      options.linearisation == FilterLinearisation::kIdeal ? setup.truth : nullptr);
 }
 
 }  // namespace slammot

@@ -7,20 +7,12 @@
 
 namespace slammot {
 
-Linearisation::Linearisation(const std::string& name, const LandmarkFunctions& landmark,
+Linearisation::Linearisation(FilterLinearisation kind, const LandmarkFunctions& landmark,
                              std::shared_ptr<const Truth> truth)
-    : kind_(kind_of(name)), functions_(landmark), truth_(std::move(truth)) {
+    : kind_(kind), functions_(landmark), truth_(std::move(truth)) {
   if (kind_ == Kind::kIdeal && !truth_) {
     throw std::invalid_argument("linearisation ideal needs the exact truth of a simulation");
   }
-}
-
-Linearisation::Kind Linearisation::kind_of(const std::string& name) {
-  if (name == "standard") return Kind::kStandard;
-  if (name == "fej") return Kind::kFej;
-  if (name == "ideal") return Kind::kIdeal;
-  if (name == "invariant") return Kind::kInvariant;
-  throw std::invalid_argument("unknown linearisation '" + name + "'");
 }
 
 CameraState Linearisation::camera(const JointState& state) const {

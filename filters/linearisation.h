@@ -20,9 +20,9 @@
 #include <map>
 #include <memory>
 #include <set>
-#include <string>
 
 #include "filters/covariance/joint_state.h"
+#include "filters/ekf_options.h"
 #include "models/initialisation.h"
 #include "models/landmarks/landmark_models.h"
 #include "models/truth.h"
@@ -32,7 +32,7 @@ namespace slammot {
 class Linearisation {
  public:
   // Throws std::invalid_argument for an unknown name, or `ideal` without a truth.
-  Linearisation(const std::string& name, const LandmarkFunctions& landmark,
+  Linearisation(FilterLinearisation kind, const LandmarkFunctions& landmark,
                 std::shared_ptr<const Truth> truth);
 
   // Jacobians are taken at the estimate.
@@ -62,9 +62,8 @@ class Linearisation {
   void correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx) const;
 
  private:
-  enum class Kind { kStandard, kFej, kIdeal, kInvariant };
+  using Kind = FilterLinearisation;
 
-  static Kind kind_of(const std::string& name);
   LandmarkVector at_rest(const Eigen::Vector3d& y) const;
   void predicted_first_estimate(const JointState& state, int track);
   void forget_what_left(const JointState& state);

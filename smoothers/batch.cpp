@@ -1,10 +1,9 @@
 #include "smoothers/batch.h"
 
 #include "estimation/frame_loop.h"
-
 #include "smoothers/factors/factors.h"
-#include "smoothers/factors/robust_loss.h"
 #include "smoothers/solver/ceres_solve.h"
+#include "smoothers/window/robust_loss.h"
 #include "smoothers/window/window_belief.h"
 
 namespace slammot {

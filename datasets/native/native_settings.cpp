@@ -39,6 +39,8 @@ LandmarkPrior read_prior(YamlMap map) {
   prior.max_speed = map.positive("max_speed");
   if (map.has("acceleration")) prior.acceleration = map.real("acceleration");
   if (prior.acceleration < 0.0) map.refuse(map.take("acceleration"), "'acceleration' is negative");
+  if (map.has("jerk")) prior.jerk = map.real("jerk");
+  if (prior.jerk < 0.0) map.refuse(map.take("jerk"), "'jerk' is negative");
   map.finish();
   return prior;
 }

@@ -55,7 +55,9 @@ Text settings_text(const Sequence& s) {
   if (s.prior) {
     put(text, "prior: {{inverse_depth: {}, inverse_depth_sigma: {}, max_speed: {}",
         s.prior->inverse_depth, s.prior->inverse_depth_sigma, s.prior->max_speed);
-    put(text, ", acceleration: {}}}\n", s.prior->acceleration);
+    put(text, ", acceleration: {}", s.prior->acceleration);
+    if (s.prior->jerk != LandmarkPrior{}.jerk) put(text, ", jerk: {}", s.prior->jerk);
+    put(text, "}}\n");
   }
   return text;
 }

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "datasets/text/input_error.h"
 #include "models/camera.h"
 #include "models/measurement.h"
 #include "models/truth.h"
@@ -44,10 +44,5 @@ struct Sequence {
 // moved to `first` by the truth, or dropped where there is none. Throws std::invalid_argument if
 // step < 1.
 Sequence select_frames(Sequence sequence, int first, int last, int step);
-
-// Bad input: `what()` is one line, "file:line: reason"; line 0 is the file as a whole.
-struct InputError : std::runtime_error {
-  InputError(const std::filesystem::path& file, int line, const std::string& reason);
-};
 
 }  // namespace slammot

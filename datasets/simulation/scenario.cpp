@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <stdexcept>
-
 #include "datasets/simulation/circle.h"
 #include "datasets/simulation/helix.h"
 #include "datasets/simulation/manoeuvres.h"
@@ -11,6 +9,7 @@
 #include "datasets/simulation/move_stop_move.h"
 #include "datasets/simulation/scene/parameters.h"
 #include "datasets/simulation/square.h"
+#include "models/find_row.h"
 
 namespace slammot {
 namespace {
@@ -44,7 +43,7 @@ constexpr ScenarioRow kScenarios[] = {
     scenario_row<ManoeuvresOptions, simulate_manoeuvres>(
         "manoeuvres", "the circle with movers half of which turn and brake all the time"),
     scenario_row<MatchedOptions, simulate_matched>(
-        "matched", "everything drawn from the models themselves, to calibrate consistency"),
+        "model_matched", "everything drawn from the models themselves, to calibrate consistency"),
 };
 
 }  // namespace
@@ -53,17 +52,11 @@ std::span<const ScenarioRow> scenario_table() { return kScenarios; }
 
 Sequence simulate(std::string_view scenario, const ScenarioOverrides& overrides,
                   std::uint64_t seed) {
-  std::string known;
-  for (const ScenarioRow& row : scenario_table()) {
-    if (row.name != scenario) {
-      known += (known.empty() ? "" : ", ") + std::string(row.name);
-      continue;
-    }
-    Sequence sequence = row.simulate(row.name, overrides, seed);
-    sequence.name = fmt::format("{}-{}", scenario, seed);
-    return sequence;
-  }
-  throw std::invalid_argument(fmt::format("unknown scenario '{}' (known: {})", scenario, known));
+  if (scenario == "matched") scenario = "model_matched";  // its name until release 0.1
+  const ScenarioRow& row = find_row(scenario_table(), scenario, "scenario");
+  Sequence sequence = row.simulate(row.name, overrides, seed);
+  sequence.name = fmt::format("{}-{}", scenario, seed);
+  return sequence;
 }
 
 }  // namespace slammot

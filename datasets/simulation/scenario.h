@@ -5,24 +5,14 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <span>
-#include <string>
 #include <string_view>
 #include <vector>
 
 #include "datasets/sequence/sequence.h"
+#include "datasets/simulation/scene/parameters.h"
 
 namespace slammot {
-
-// Values by key; `radius` and `circle.radius` are the same key of the scenario `circle`.
-using ScenarioOverrides = std::map<std::string, std::string>;
-
-struct ScenarioParameter {
-  std::string name;
-  std::string help;
-  std::string value;  // by default
-};
 
 struct ScenarioRow {
   std::string_view name;

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <fstream>
 
-#include "datasets/sequence/sequence.h"
+#include "datasets/text/input_error.h"
+#include "datasets/text/number.h"
 
 namespace slammot {
 
@@ -79,6 +79,12 @@ bool TextTable::next_blank_row(size_t count) {
   return true;
 }
 
+void TextTable::pass_comments() {
+  while (!rest_.empty() && (rest_[0] == '#' || rest_[0] == '\n' || rest_.starts_with("\r\n"))) {
+    next_line();
+  }
+}
+
 size_t TextTable::expect_header(std::span<const std::string_view> headers) {
   const bool any = next_line();
   for (size_t i = 0; i < headers.size(); ++i) {
@@ -88,22 +94,21 @@ size_t TextTable::expect_header(std::span<const std::string_view> headers) {
   refuse(fmt::format("the first line must be '{}'", fmt::join(headers, "' or '")));
 }
 
-namespace {
-
-template <typename T>
-bool parse(std::string_view text, T& value) {
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc{} && stop == end;
+double TextTable::number(size_t i) const {
+  const auto value = parse_number<double>(fields_[i]);
+  if (!value) refuse(fmt::format("'{}' is not a number", fields_[i]));
+  return *value;
 }
 
-}  // namespace
-
 double TextTable::real(size_t i) const {
-  double value = 0.0;
-  if (!parse(fields_[i], value)) refuse(fmt::format("'{}' is not a number", fields_[i]));
+  const double value = number(i);
   if (!std::isfinite(value)) refuse(fmt::format("'{}' is not a finite number", fields_[i]));
   return value;
+}
+
+double TextTable::real_or_nan(size_t i) const {
+  const double value = number(i);
+  return std::isnan(value) ? value : real(i);
 }
 
 double TextTable::positive(size_t i) const {
@@ -113,10 +118,10 @@ double TextTable::positive(size_t i) const {
 }
 
 int TextTable::count(size_t i) const {
-  int value = 0;
-  if (!parse(fields_[i], value)) refuse(fmt::format("'{}' is not a whole number", fields_[i]));
-  if (value < 0) refuse(fmt::format("'{}' is negative", fields_[i]));
-  return value;
+  const auto value = parse_number<int>(fields_[i]);
+  if (!value) refuse(fmt::format("'{}' is not a whole number", fields_[i]));
+  if (*value < 0) refuse(fmt::format("'{}' is negative", fields_[i]));
+  return *value;
 }
 
 }  // namespace slammot

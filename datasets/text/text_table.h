@@ -23,12 +23,16 @@ class TextTable {
   // The same for fields between blanks, passing over empty lines and comments from '#'.
   bool next_blank_row(size_t count);
   bool next_blank_row();  // of any number of fields
+  // Passes over empty lines and lines that begin with '#'; over one line of any kind.
+  void pass_comments();
+  void pass_line() { next_line(); }
   // The next line must be one of these; returns which.
   size_t expect_header(std::span<const std::string_view> headers);
 
   size_t fields() const { return fields_.size(); }
   std::string_view field(size_t i) const { return fields_[i]; }
   double real(size_t i) const;  // finite
+  double real_or_nan(size_t i) const;
   double positive(size_t i) const;
   int count(size_t i) const;  // an integer >= 0
 
@@ -38,6 +42,7 @@ class TextTable {
 
  private:
   bool next_line();
+  double number(size_t i) const;
 
   std::filesystem::path file_;
   std::string_view rest_;

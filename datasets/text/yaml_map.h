@@ -4,11 +4,12 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include <charconv>
+#include <Eigen/Core>
 #include <cmath>
 #include <set>
 
-#include "datasets/sequence/sequence.h"
+#include "datasets/text/input_error.h"
+#include "datasets/text/number.h"
 
 namespace slammot {
 
@@ -91,14 +92,10 @@ class YamlMap {
  private:
   double real_of(const YAML::Node& value, const std::string& key) const {
     const std::string text = value.IsScalar() ? value.Scalar() : "";
-    double number = 0.0;
-    const char* end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data(), end, number);
-    if (error != std::errc{} || stop != end || text.empty()) {
-      refuse(value, fmt::format("'{}' must be a number, not '{}'", key, text));
-    }
-    if (!std::isfinite(number)) refuse(value, fmt::format("'{}' must be a finite number", key));
-    return number;
+    const auto number = parse_number<double>(text);
+    if (!number) refuse(value, fmt::format("'{}' must be a number, not '{}'", key, text));
+    if (!std::isfinite(*number)) refuse(value, fmt::format("'{}' must be a finite number", key));
+    return *number;
   }
 
   std::filesystem::path file_;

@@ -8,12 +8,10 @@
 
 #include "eval/compare/series.h"
 #include "eval/configuration/registry.h"
-#include "eval/metrics/metrics_json.h"
+#include "eval/output/metrics_json.h"
 
 namespace slammot {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json sequence_json(const Sequence& sequence, const CompareOptions& options) {
   return {{"name", sequence.name},
@@ -31,10 +29,13 @@ void erase_series(Json& trajectory) {
   if (trajectory.is_object() && trajectory["nees"].is_object()) trajectory["nees"].erase("series");
 }
 
-Json run_json(const Sequence& sequence, const ComparedRun& row, const Configuration& configuration,
-              const RunResult& run, const RunMetrics& metrics) {
+Json run_json(const Sequence& sequence, const ComparedRun& row, const EvaluatedRun& done) {
+  const auto& [configuration, run, metrics] = done;
+  const EstimatorRow& estimator = find_estimator(row.estimator);
   Json json = {{"label", row.label},
                {"estimator", row.estimator},
+               {"kind", to_string(estimator.kind)},
+               {"oracle", is_oracle(estimator, configuration)},
                {"landmark", configuration.model.landmark},
                {"folder", row.label}};
   json["overrides"] = Json::object();
@@ -68,23 +69,21 @@ void check(const Configuration& configuration, const std::vector<ComparedRun>& r
 }
 
 // Runs one row, writes its folder, and adds it to the JSON.
-ComparedResult compare_one(const Sequence& sequence, const Configuration& base,
-                           const ComparedRun& row, const CompareOptions& options, Json& runs) {
-  const Configuration configuration = with_overrides(base, row);
-  const Configuration effective = effective_configuration(sequence, configuration, row.estimator);
+NamedMetrics compare_one(const Sequence& sequence, const Configuration& base,
+                         const ComparedRun& row, const CompareOptions& options, Json& runs) {
   DriveOptions drive_options;
   drive_options.landmarks_every_frame = options.landmarks_every_frame;
   if (options.progress) {
     drive_options.progress = [&](int done, int total) { options.progress(row.label, done, total); };
   }
-  const RunResult run = run_estimator(sequence, configuration, row.estimator, drive_options);
-  const RunMetrics metrics = compute_metrics(sequence, run, effective.model.gate_probability);
+  const EvaluatedRun done = run_and_evaluate(sequence, with_overrides(base, row), row.estimator,
+                                             drive_options, options.metrics);
   write_run(options.output / row.label,
             {options.command, row.estimator, sequence.folder, sequence.name, sequence.sha256,
-             options.seed, effective},
-            run, metrics);
-  runs.push_back(run_json(sequence, row, effective, run, metrics));
-  return {row.label, row.estimator, effective.model.landmark, metrics};
+             options.seed, done.configuration},
+            done.run, done.metrics);
+  runs.push_back(run_json(sequence, row, done));
+  return {row.label, row.estimator, done.configuration.model.landmark, done.metrics};
 }
 
 }  // namespace
@@ -101,15 +100,16 @@ std::vector<ComparedRun> crossed(const std::vector<std::string>& estimators,
   return runs;
 }
 
-std::vector<ComparedResult> compare(const Sequence& sequence, const Configuration& configuration,
-                                    const std::vector<ComparedRun>& runs,
-                                    const CompareOptions& options) {
+std::vector<NamedMetrics> compare(const Sequence& sequence, const Configuration& configuration,
+                                  const std::vector<ComparedRun>& runs,
+                                  const CompareOptions& options) {
   check(configuration, runs);
   std::filesystem::create_directories(options.output);
   Json json = {{"format", "slammot-compare-1"}, {"version", SLAMMOT_VERSION},
                {"command", options.command},    {"sequence", sequence_json(sequence, options)},
-               {"truth", truth_json(sequence)}, {"runs", Json::array()}};
-  std::vector<ComparedResult> results;
+               {"truth", truth_json(sequence)}, {"metrics", metric_table_json(options.metrics)},
+               {"runs", Json::array()}};
+  std::vector<NamedMetrics> results;
   for (const ComparedRun& row : runs) {
     results.push_back(compare_one(sequence, configuration, row, options, json["runs"]));
     // Written after every run, so that what was computed is never lost.

@@ -6,7 +6,9 @@
 //   truth    {timestamp[], position[[x,y,z]], landmarks[{track, class, position[x,y,z],
 //   last[x,y,z]}]}
 //            `last` is where a moving landmark is at its last frame
-//   runs[]   {label, estimator, landmark, folder (relative), overrides{}, configuration{},
+//   metrics[] the table of metrics: what each key of `runs[].metrics` means
+//   runs[]   {label, estimator, kind, oracle, landmark, folder (relative), overrides{},
+//             configuration{},
 //             metrics (as metrics.json, without the NEES series), series, smoothed_series (or
 //             null)}
 //   series   {stride, frame[], timestamp[], position[[x,y,z]], position_error_m[],
@@ -21,8 +23,8 @@
 #include <string>
 #include <vector>
 
-#include "eval/metrics/metrics.h"
-#include "eval/result/run_writer.h"
+#include "eval/output/metrics_table.h"
+#include "eval/output/run_writer.h"
 #include "eval/run/run.h"
 
 namespace slammot {
@@ -38,14 +40,8 @@ struct CompareOptions {
   std::string command;
   std::optional<std::uint64_t> seed;
   bool landmarks_every_frame = false;
+  MetricTable metrics = metric_table();
   std::function<void(const std::string& label, int done, int total)> progress;  // may be empty
-};
-
-struct ComparedResult {
-  std::string label;
-  std::string estimator;
-  std::string landmark;
-  RunMetrics metrics;
 };
 
 // Each estimator with each landmark model, labelled `estimator-landmark`.
@@ -53,8 +49,8 @@ std::vector<ComparedRun> crossed(const std::vector<std::string>& estimators,
                                  const std::vector<std::string>& landmarks);
 
 // Runs all, in order, and writes the output folder.
-std::vector<ComparedResult> compare(const Sequence& sequence, const Configuration& configuration,
-                                    const std::vector<ComparedRun>& runs,
-                                    const CompareOptions& options);
+std::vector<NamedMetrics> compare(const Sequence& sequence, const Configuration& configuration,
+                                  const std::vector<ComparedRun>& runs,
+                                  const CompareOptions& options);
 
 }  // namespace slammot

@@ -64,7 +64,8 @@ Assignment parse_assignment(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1), 0};
 }
 
-void assign(Configuration& configuration, const Assignment& assignment) {
+void assign(Configuration& configuration, const Assignment& given) {
+  const Assignment assignment = with_present_names(given);
   const auto& keys = configuration_keys();
   const auto key = std::find_if(keys.begin(), keys.end(),
                                 [&](const auto& k) { return k.name == assignment.key; });
@@ -88,6 +89,7 @@ std::vector<Assignment> read_assignments(const std::filesystem::path& file) {
   if (root["format"] && root["configuration"]) root = root["configuration"];
   std::vector<Assignment> assignments;
   flatten(root, "", file, assignments);
+  for (Assignment& assignment : assignments) assignment = with_present_names(assignment);
   refuse_repeated(assignments, file);
   return assignments;
 }

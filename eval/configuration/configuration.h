@@ -1,4 +1,4 @@
-// Everything a run can be told. One table of keys serves YAML files, `--set key=value`, `run.yaml`
+// All settings of a run. One table of keys serves YAML files, `--set key=value`, `run.yaml`
 // and
 // `--help`; adding an option is one field and one row of that table (configuration_keys.cpp).
 //
@@ -16,6 +16,7 @@
 
 #include "estimation/options.h"
 #include "filters/ekf_options.h"
+#include "models/camera_motion.h"
 #include "smoothers/window/window_options.h"
 
 namespace slammot {
@@ -23,7 +24,7 @@ namespace slammot {
 struct MotionConfiguration {
   std::optional<double> acceleration;          // [m/s^2]
   std::optional<double> angular_acceleration;  // [rad/s^2]
-  std::string discretisation = "white_noise";  // white_noise | impulse
+  NoiseDiscretisation discretisation = NoiseDiscretisation::kWhiteNoise;
 };
 
 struct PriorConfiguration {
@@ -32,6 +33,7 @@ struct PriorConfiguration {
   std::optional<double> mean_sigma;           // [1/m]
   std::optional<double> max_speed;            // [m/s]
   std::optional<double> acceleration;         // [m/s^2]
+  std::optional<double> jerk;                 // [m/s^3]
 };
 
 struct InitialConfiguration {
@@ -74,6 +76,9 @@ struct Assignment {
 
 // `key=value`; throws std::invalid_argument where there is no `=`.
 Assignment parse_assignment(const std::string& text);
+
+// A key or value of an earlier release by its present name. Old names are read for one release.
+Assignment with_present_names(Assignment assignment);
 
 // Throws std::invalid_argument: an unknown key (naming the nearest known ones) or a bad value.
 void assign(Configuration& configuration, const Assignment& assignment);

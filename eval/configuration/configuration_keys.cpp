@@ -1,11 +1,11 @@
 // The table of configuration keys: name, help, and how each is read from and written as text.
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "datasets/text/number.h"
 #include "eval/configuration/configuration.h"
 #include "eval/configuration/model_names.h"
 
@@ -23,21 +23,19 @@ constexpr Range kFromMinusOne{[](double x) { return x >= -1.0; }, "at least -1"}
 constexpr Range kInsideUnit{[](double x) { return x > 0.0 && x < 1.0; }, "between 0 and 1"};
 
 template <typename T>
-T parse_number(const std::string& text) {
-  T value{};
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(static_cast<double>(value))) {
+T parse_finite(const std::string& text) {
+  const std::optional<T> value = parse_number<T>(text);
+  if (!value || !std::isfinite(static_cast<double>(*value))) {
     const bool whole = std::is_integral_v<T>;
     throw std::invalid_argument(
         fmt::format("'{}' is not {}", text, whole ? "a whole number" : "a finite number"));
   }
-  return value;
+  return *value;
 }
 
 template <typename T>
 T parse_in(const std::string& text, const Range& range) {
-  const T value = parse_number<T>(text);
+  const T value = parse_finite<T>(text);
   if (!range.holds(static_cast<double>(value))) {
     throw std::invalid_argument(fmt::format("'{}' must be {}", text, range.text));
   }
@@ -67,6 +65,35 @@ ConfigurationKey number(std::string name, std::string help, Range range, Field f
   return {std::move(name), std::move(help),
           [=](Configuration& c, const std::string& text) { read(field(c), text, range); },
           [=](const Configuration& c) -> std::string { return to_text(field(c)); }};
+}
+
+// One of a closed list of choices, each with its name.
+template <typename Enum>
+struct Choice {
+  std::string name;
+  Enum value;
+};
+
+template <typename Enum, typename Field>
+ConfigurationKey option(std::string name, const std::string& help,
+                        std::vector<Choice<Enum>> choices, Field field) {
+  std::vector<std::string> names;
+  for (const auto& c : choices) names.push_back(c.name);
+  const std::string all = fmt::format("{}", fmt::join(names, ", "));
+  auto set = [=](Configuration& c, const std::string& text) {
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found == names.end()) {
+      throw std::invalid_argument(fmt::format("'{}' is not one of {}", text, all));
+    }
+    field(c) = choices[static_cast<size_t>(found - names.begin())].value;
+  };
+  auto get = [=](const Configuration& c) -> std::string {
+    for (const auto& choice : choices) {
+      if (choice.value == field(c)) return choice.name;
+    }
+    throw std::logic_error("a choice without a name");
+  };
+  return {std::move(name), fmt::format("{}: {}", help, all), set, get};
 }
 
 // One of a list of names, which may grow with the tables of models.
@@ -107,8 +134,9 @@ std::vector<ConfigurationKey> model_keys() {
   return {
       choice("landmark", "landmark model", names_of(landmark_list()),
              SLAMMOT_FIELD(model.landmark)),
-      choice("collapse", "on static, marginalise the velocity or use v = 0", {"drop", "condition"},
-             SLAMMOT_FIELD(model.collapse)),
+      option<Collapse>("collapse", "on static, marginalise the velocity or use v = 0",
+                       {{"drop", Collapse::kDrop}, {"condition", Collapse::kCondition}},
+                       SLAMMOT_FIELD(model.collapse)),
       number("gate.probability", "of a correct measurement passing the gate", kInsideUnit,
              SLAMMOT_FIELD(model.gate_probability)),
       choice("classifier", "who labels the landmarks", names_of(classifier_list()),
@@ -121,23 +149,36 @@ std::vector<ConfigurationKey> model_keys() {
              SLAMMOT_FIELD(model.classifier.static_factor)),
       number("classifier.moving_factor", "bayes_factor: moving below these odds", kPositive,
              SLAMMOT_FIELD(model.classifier.moving_factor)),
-      choice("labels", "for ever (thesis), or taken back when innovations reject them",
-             {"one_way", "reversible"}, SLAMMOT_FIELD(model.labels.name)),
-      number("labels.window", "reversible: innovations that testify against a static label",
-             kPositive, SLAMMOT_FIELD(model.labels.window)),
+      option<LabelRule>("labels",
+                        "kept for ever (thesis), or reverted when innovations reject them",
+                        {{"one_way", LabelRule::kOneWay}, {"reversible", LabelRule::kReversible}},
+                        SLAMMOT_FIELD(model.labels.rule)),
+      number("labels.window", "reversible: innovations in the test of a static label", kPositive,
+             SLAMMOT_FIELD(model.labels.window)),
       number("labels.probability", "reversible: of a right static label being rejected in a frame",
              kInsideUnit, SLAMMOT_FIELD(model.labels.probability)),
       number("policy.max_landmarks", "landmarks in the state at once", kPositive,
              SLAMMOT_FIELD(model.policy.max_landmarks)),
       number("policy.max_visible", "no births while so many are being measured", kPositive,
              SLAMMOT_FIELD(model.policy.max_visible)),
-      number("policy.lost_after", "frames without a measurement until lost", kPositive,
-             SLAMMOT_FIELD(model.policy.lost_after)),
-      number("policy.missed_after", "frames that should have shown it until a static one is lost",
-             kPositive, SLAMMOT_FIELD(model.policy.missed_after)),
-      choice("policy.retain", "static landmarks stay, or are lost too", {"map", "window"},
-             SLAMMOT_FIELD(model.policy.retain)),
+      number("policy.prune_after", "frames without a measurement until a landmark is pruned",
+             kPositive, SLAMMOT_FIELD(model.policy.prune_after)),
+      number("policy.prune_missed_after",
+             "frames that should have shown a static landmark until it is pruned", kPositive,
+             SLAMMOT_FIELD(model.policy.prune_missed_after)),
+      option<Retain>("policy.retain",
+                     "static landmarks stay in the map, or are pruned as others are",
+                     {{"map", Retain::kMap}, {"visible", Retain::kWindow}},
+                     SLAMMOT_FIELD(model.policy.retain)),
   };
+}
+
+std::vector<Choice<NoiseDiscretisation>> motion_choices() {
+  std::vector<Choice<NoiseDiscretisation>> choices;
+  for (const MotionRow& row : motion_table()) {
+    choices.push_back({std::string(row.name), row.discretisation});
+  }
+  return choices;
 }
 
 std::vector<ConfigurationKey> statement_keys() {
@@ -147,24 +188,29 @@ std::vector<ConfigurationKey> statement_keys() {
              SLAMMOT_FIELD(motion.acceleration)),
       number("motion.angular_acceleration", "camera noise [rad/s^2]", kNotNegative,
              SLAMMOT_FIELD(motion.angular_acceleration)),
-      choice("motion.discretisation", "of the camera's noise", names_of(motion_list()),
-             SLAMMOT_FIELD(motion.discretisation)),
-      choice("prior.source",
-             "rho0 and its sigma as stated, or learnt from the landmarks in view (map); auto: "
-             "learnt where a landmark is known beforehand",
-             {"auto", "stated", "map"}, SLAMMOT_FIELD(model.depth_prior)),
+      option<NoiseDiscretisation>("motion.discretisation", "of the camera's noise",
+                                  motion_choices(), SLAMMOT_FIELD(motion.discretisation)),
+      option<DepthPriorSource>(
+          "prior.source",
+          "rho0 and its sigma as given, or learnt from the landmarks in view (empirical); auto: "
+          "empirical where a landmark is known beforehand",
+          {{"auto", DepthPriorSource::kAuto},
+           {"fixed", DepthPriorSource::kFixed},
+           {"empirical", DepthPriorSource::kEmpirical}},
+          SLAMMOT_FIELD(model.depth_prior)),
       number("prior.inverse_depth", "rho0 of new landmarks [1/m]", kNotNegative,
              SLAMMOT_FIELD(prior.inverse_depth)),
       number("prior.inverse_depth_sigma", "its standard deviation [1/m]", kPositive,
              SLAMMOT_FIELD(prior.inverse_depth_sigma)),
-      number(
-          "prior.mean_sigma",
-          "of rho0 itself, which is then learnt [1/m]; 0: rho0 is known; half of rho0 with the map",
-          kNotNegative, SLAMMOT_FIELD(prior.mean_sigma)),
+      number("prior.mean_sigma",
+             "of rho0 itself, then estimated [1/m]; 0: rho0 is known; half of rho0 if empirical",
+             kNotNegative, SLAMMOT_FIELD(prior.mean_sigma)),
       number("prior.max_speed", "|v|max of landmarks; sigma_v is half of it [m/s]", kPositive,
              SLAMMOT_FIELD(prior.max_speed)),
       number("prior.acceleration", "noise of unknown and moving landmarks [m/s^2]", kNotNegative,
              SLAMMOT_FIELD(prior.acceleration)),
+      number("prior.jerk", "the same of models with an acceleration [m/s^3]", kNotNegative,
+             SLAMMOT_FIELD(prior.jerk)),
       number("initial.velocity_sigma", "of the camera's first velocity [m/s]", kNotNegative,
              SLAMMOT_FIELD(initial.velocity_sigma)),
       number("initial.angular_velocity_sigma", "of its first angular velocity [rad/s]",
@@ -179,8 +225,13 @@ std::vector<ConfigurationKey> statement_keys() {
 
 std::vector<ConfigurationKey> estimator_keys() {
   return {
-      choice("ekf.linearisation", "Jacobians at the estimate, the first estimate, or the truth",
-             {"standard", "fej", "ideal", "invariant"}, SLAMMOT_FIELD(ekf.linearisation)),
+      option<FilterLinearisation>("ekf.linearisation",
+                                  "Jacobians at the estimate, the first estimate, or the truth",
+                                  {{"standard", FilterLinearisation::kStandard},
+                                   {"fej", FilterLinearisation::kFej},
+                                   {"ideal", FilterLinearisation::kIdeal},
+                                   {"invariant", FilterLinearisation::kInvariant}},
+                                  SLAMMOT_FIELD(ekf.linearisation)),
       number("ekf.iterations", "1: EKF, more: iterated EKF", kPositive,
              SLAMMOT_FIELD(ekf.iterations)),
       flag("ekf.deferred", "landmarks out of view are updated when they return; exact",
@@ -188,11 +239,16 @@ std::vector<ConfigurationKey> estimator_keys() {
       number("window.frames", "camera states kept", kPositive, SLAMMOT_FIELD(window.frames)),
       number("window.iterations", "Gauss-Newton steps a frame at most", kPositive,
              SLAMMOT_FIELD(window.iterations)),
-      number("window.negligible", "a step that promises to lower chi-square by less is the last",
-             kPositive, SLAMMOT_FIELD(window.negligible)),
-      choice("window.linearisation", "Jacobians at the estimate, the first estimate, or the truth",
-             {"standard", "fej", "ideal"}, SLAMMOT_FIELD(window.linearisation)),
-      choice("window.loss", "on the measurements", {"none", "huber"}, SLAMMOT_FIELD(window.loss)),
+      number("window.cost_tolerance", "a step predicted to lower chi-square by less is the last",
+             kPositive, SLAMMOT_FIELD(window.cost_tolerance)),
+      option<WindowLinearisation>("window.linearisation",
+                                  "Jacobians at the estimate, the first estimate, or the truth",
+                                  {{"standard", WindowLinearisation::kStandard},
+                                   {"fej", WindowLinearisation::kFej},
+                                   {"ideal", WindowLinearisation::kIdeal}},
+                                  SLAMMOT_FIELD(window.linearisation)),
+      option<Loss>("window.loss", "on the measurements",
+                   {{"none", Loss::kNone}, {"huber", Loss::kHuber}}, SLAMMOT_FIELD(window.loss)),
   };
 }
 

@@ -21,9 +21,14 @@ std::vector<NamedEntry> landmark_list() { return listed(landmark_table()); }
 
 std::vector<NamedEntry> classifier_list() { return listed(classifier_table()); }
 
-std::vector<NamedEntry> motion_list() {
-  return {{"white_noise", "the velocity is a Wiener process within a step: full rank"},
-          {"impulse", "one acceleration at the start of a step: rank 6 (the thesis, Montiel)"}};
+std::span<const MotionRow> motion_table() {
+  static constexpr MotionRow kTable[] = {
+      {"white_noise", "the velocity is a Wiener process within a step: full rank",
+       NoiseDiscretisation::kWhiteNoise},
+      {"impulse", "one acceleration at the start of a step: rank 6 (the thesis, Montiel)",
+       NoiseDiscretisation::kImpulse},
+  };
+  return kTable;
 }
 
 std::vector<std::string> names_of(const std::vector<NamedEntry>& list) {

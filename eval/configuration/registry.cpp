@@ -1,8 +1,7 @@
 #include "eval/configuration/registry.h"
 
-#include <stdexcept>
-
 #include "filters/ekf.h"
+#include "models/find_row.h"
 #include "smoothers/batch.h"
 #include "smoothers/window/window.h"
 
@@ -19,48 +18,66 @@ std::unique_ptr<Estimator> batch(const Setup& setup, const Configuration& c) {
   return make_batch(setup, c.model, c.window);
 }
 
+constexpr const char* kTrueLabels = "truth";  // the classifier that is given the labels
+
 void as_stated(Configuration&) {}
-// Here and with true labels nothing is taken back.
+// Here and with true labels no label is reverted.
 void all_static(Configuration& c) {
   c.model.classifier.name = "all_static";
-  c.model.labels.name = "one_way";
+  c.model.labels.rule = LabelRule::kOneWay;
 }
 void true_labels(Configuration& c) {
-  c.model.classifier.name = "truth";
-  c.model.labels.name = "one_way";
+  c.model.classifier.name = kTrueLabels;
+  c.model.labels.rule = LabelRule::kOneWay;
 }
 // Covariances at the truth, with labels given and every measurement used: a probability of 1 opens
-// the gate, so that nothing of P depends on the estimates. Its prior is the one that is stated.
+// the gate, so that nothing of P depends on the estimates. Its prior is the stated one.
 void bound(Configuration& c) {
   true_labels(c);
   c.model.gate_probability = 1.0;
-  c.ekf.linearisation = "ideal";
-  c.model.depth_prior = "stated";
+  c.ekf.linearisation = FilterLinearisation::kIdeal;
+  c.model.depth_prior = DepthPriorSource::kFixed;
   c.prior.mean_sigma = 0.0;
 }
 void delayed(Configuration& c) { c.ekf.delayed = true; }
 
+using enum EstimatorKind;
+
 constexpr EstimatorRow kTable[] = {
-    {"ekf", "extended Kalman filter, undelayed (the thesis)", as_stated, ekf},
-    {"window", "sliding-window smoother with marginalisation", as_stated, window},
-    {"batch", "all frames at once: the reference", as_stated, batch},
-    {"static_world", "ekf, every landmark static", all_static, ekf},
-    {"delayed", "ekf, a landmark counts only once it is classified", delayed, ekf},
-    {"true_labels", "ekf, labels from the ground truth", true_labels, ekf},
-    {"bound", "ekf linearised at the truth: the posterior Cramer-Rao bound", bound, ekf},
+    {"ekf", "extended Kalman filter, undelayed (the thesis)", kFilter, false, as_stated, ekf},
+    {"window", "sliding-window smoother with marginalisation", kSmoother, false, as_stated, window},
+    {"batch", "all frames at once: the reference", kBatch, false, as_stated, batch},
+    {"static_world", "ekf, every landmark static", kFilter, false, all_static, ekf},
+    {"delayed", "ekf, a landmark counts only once it is classified", kFilter, false, delayed, ekf},
+    {"true_labels", "ekf, labels from the ground truth", kFilter, true, true_labels, ekf},
+    {"bound", "ekf linearised at the truth: the posterior Cramer-Rao bound", kBound, true, bound,
+     ekf},
 };
 
+// The options that estimators of this kind have.
+bool linearised_at_the_truth(EstimatorKind kind, const Configuration& c) {
+  const bool smooths = kind == kSmoother || kind == kBatch;
+  return smooths ? c.window.linearisation == WindowLinearisation::kIdeal
+                 : c.ekf.linearisation == FilterLinearisation::kIdeal;
+}
+
 }  // namespace
+
+std::string_view to_string(EstimatorKind kind) {
+  constexpr std::string_view kNames[] = {"filter", "smoother", "batch", "lower_bound"};
+  return kNames[static_cast<size_t>(kind)];
+}
 
 std::span<const EstimatorRow> estimator_table() { return kTable; }
 
 const EstimatorRow& find_estimator(const std::string& name) {
-  std::string known;
-  for (const EstimatorRow& row : kTable) {
-    if (row.name == name) return row;
-    known += (known.empty() ? "" : ", ") + std::string(row.name);
-  }
-  throw std::invalid_argument("unknown estimator '" + name + "', there are " + known);
+  return find_row(estimator_table(), name, "estimator");
+}
+
+bool is_oracle(const EstimatorRow& row, Configuration configuration) {
+  row.adjust(configuration);
+  return row.oracle || configuration.model.classifier.name == kTrueLabels ||
+         linearised_at_the_truth(row.kind, configuration);
 }
 
 }  // namespace slammot

@@ -27,8 +27,7 @@ MotionNoise motion_noise(const Sequence& sequence, const MotionConfiguration& ov
   }
   noise.acceleration = overrides.acceleration.value_or(noise.acceleration);
   noise.angular_acceleration = overrides.angular_acceleration.value_or(noise.angular_acceleration);
-  noise.discretisation = overrides.discretisation == "impulse" ? NoiseDiscretisation::kImpulse
-                                                               : NoiseDiscretisation::kWhiteNoise;
+  noise.discretisation = overrides.discretisation;
   return noise;
 }
 
@@ -45,6 +44,7 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const Configuration& conf
   prior.mean_sigma = overrides.mean_sigma.value_or(prior.mean_sigma);
   prior.max_speed = overrides.max_speed.value_or(prior.max_speed);
   prior.acceleration = overrides.acceleration.value_or(prior.acceleration);
+  prior.jerk = overrides.jerk.value_or(prior.jerk);
   return prior;
 }
 
@@ -72,21 +72,27 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
   for (const auto& [track, landmark] : sequence.landmarks) {
     setup.true_labels[track] = landmark.label;
   }
-  if (configuration.ekf.linearisation == "ideal" || configuration.window.linearisation == "ideal") {
+  if (configuration.ekf.linearisation == FilterLinearisation::kIdeal ||
+      configuration.window.linearisation == WindowLinearisation::kIdeal) {
     setup.truth = truth_of(sequence);
   }
   return setup;
 }
 
-Configuration resolve(const Sequence& sequence, Configuration configuration) {
-  const Setup setup = make_setup(sequence, configuration);
+Configuration resolve(const Sequence& sequence, const Configuration& configuration) {
+  return resolved(make_setup(sequence, configuration), configuration);
+}
+
+Configuration resolved(const Setup& setup, Configuration configuration) {
   configuration.model.depth_prior =
-      learns_depths(configuration.model.depth_prior, !setup.known.empty()) ? "map" : "stated";
+      learns_depths(configuration.model.depth_prior, !setup.known.empty())
+          ? DepthPriorSource::kEmpirical
+          : DepthPriorSource::kFixed;
   configuration.pixel_sigma = setup.pixel_sigma;
   configuration.motion.acceleration = setup.camera_noise.acceleration;
   configuration.motion.angular_acceleration = setup.camera_noise.angular_acceleration;
   configuration.prior = {setup.prior.inverse_depth, setup.prior.inverse_depth_sigma,
-                         setup.prior.mean_sigma, setup.prior.max_speed, setup.prior.acceleration};
+                         setup.prior.mean_sigma, setup.prior.max_speed, setup.prior.acceleration, setup.prior.jerk};
   configuration.initial = {setup.initial.velocity_sigma, setup.initial.angular_velocity_sigma};
   return configuration;
 }

@@ -1,4 +1,4 @@
-// From a sequence and a configuration to what an estimator is told. Order of precedence: the
+// From a sequence and a configuration to what an estimator is given. Order of precedence: the
 // configuration, then the sequence's statement, then the model's default.
 //
 // The first camera (FORMATS, initial.yaml): as stated; else the first ground-truth pose, which
@@ -15,6 +15,8 @@ namespace slammot {
 Setup make_setup(const Sequence& sequence, const Configuration& configuration);
 
 // The configuration with every `sequence` replaced by the number that is used, for run.yaml.
-Configuration resolve(const Sequence& sequence, Configuration configuration);
+Configuration resolved(const Setup& setup, Configuration configuration);
+
+Configuration resolve(const Sequence& sequence, const Configuration& configuration);
 
 }  // namespace slammot

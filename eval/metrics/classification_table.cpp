@@ -15,6 +15,7 @@ void ClassCounts::add(Label label, Label truth) {
   ++(label == truth ? right : label == Label::kUnknown ? undecided : wrong);
 }
 
+double ClassCounts::rightly_classified() const { return ratio(right, all()); }
 double ClassCounts::wrongly_classified() const { return ratio(wrong, all()); }
 double ClassCounts::misclassified() const { return ratio(wrong + undecided, all()); }
 

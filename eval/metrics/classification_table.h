@@ -17,7 +17,8 @@ struct ClassCounts {
 
   void add(Label label, Label truth);
   int all() const { return right + wrong + undecided; }
-  double wrongly_classified() const;  // ratio; NaN of no landmarks
+  double rightly_classified() const;  // ratios; NaN of no landmarks
+  double wrongly_classified() const;
   double misclassified() const;
 };
 

@@ -3,7 +3,7 @@
 // For one that always moves or never does, that is its class. One that stops and goes on is judged
 // as what it was in the last frame of the run that measured it: `static` is right of an object that
 // stands there, and `moving` wrong. That frame is the sequence's and not the estimator's, which may
-// have rejected what would have told it that the object left.
+// have rejected the measurements that show that the object left.
 #pragma once
 
 #include <map>

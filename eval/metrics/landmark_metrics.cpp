@@ -1,5 +1,6 @@
 #include "eval/metrics/landmark_metrics.h"
 
+#include <cmath>
 #include <set>
 
 #include "eval/statistics/statistics.h"
@@ -17,9 +18,8 @@ ErrorSummary summarise(const std::vector<double>& errors) {
           quantile(errors, 0.95)};
 }
 
-// One undefined number makes the covariance undefined, which is not a failure of the estimator.
-bool defined(const Eigen::Vector3d& value, const Eigen::Matrix3d& covariance) {
-  return !value.hasNaN() && !covariance.hasNaN();
+void add_defined(double value, std::vector<double>& samples) {
+  if (!std::isnan(value)) samples.push_back(value);
 }
 
 void add(const LandmarkEstimate& estimate, const TruePoint& truth, Label label, Samples& samples) {
@@ -32,12 +32,8 @@ void add(const LandmarkEstimate& estimate, const TruePoint& truth, Label label, 
   if (moves && !velocity_error.hasNaN()) {
     samples.moving_velocity.push_back(velocity_error.norm());
   }
-  if (defined(estimate.position, estimate.position_covariance)) {
-    samples.position_nees.push_back(nees(position_error, estimate.position_covariance));
-  }
-  if (defined(estimate.velocity, estimate.velocity_covariance)) {
-    samples.velocity_nees.push_back(nees(velocity_error, estimate.velocity_covariance));
-  }
+  add_defined(nees_if_defined(position_error, estimate.position_covariance), samples.position_nees);
+  add_defined(nees_if_defined(velocity_error, estimate.velocity_covariance), samples.velocity_nees);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Errors and NEES of the landmarks' latest beliefs, against where they truly were in that frame.
+// Errors and NEES of the landmarks' latest estimates, against where they truly were in that frame.
 //
 // Known landmarks are left out: they were given their true position, not estimated. Only what has a
 // covariance has a NEES; the velocity of a landmark held static has none.

@@ -42,7 +42,7 @@ void judge_landmarks(const Sequence& sequence, const RunResult& run, RunMetrics&
   if (sequence.exact_truth) metrics.landmark_consistency = {judged.consistency, ""};
 }
 
-Coverage coverage_of(const RunResult& run) {
+MeasurementCounts measurement_counts(const RunResult& run) {
   const FrameCounts& t = run.totals;
   return {.frames_offered = run.frames_offered,
           .frames_done = static_cast<int>(run.frames.size()),
@@ -50,15 +50,36 @@ Coverage coverage_of(const RunResult& run) {
           .accepted = t.accepted,
           .rejected = t.rejected,
           .out_of_view = t.out_of_view,
-          .admitted = t.admitted,
-          .lost = t.lost,
+          .initialised = t.admitted,
+          .pruned = t.pruned,
           .negative_inverse_depth = t.negative_inverse_depth};
+}
+
+std::vector<MetricValue> values_of(const MetricTable& table, Scope scope,
+                                   const FinishedRun& finished) {
+  std::vector<MetricValue> values;
+  for (const Metric& metric : table) {
+    if (metric.scope == scope) values.push_back({metric, metric.value(finished)});
+  }
+  return values;
+}
+
+// The blocks are complete here: a row may look at any of them.
+void evaluate_table(const MetricTable& table, const Sequence& sequence, const RunResult& run,
+                    RunMetrics& metrics) {
+  const FinishedRun filtered{sequence, run, metrics, metrics.filtered, run.filtered};
+  metrics.filtered.values = values_of(table, Scope::kTrajectory, filtered);
+  if (metrics.smoothed) {
+    const FinishedRun smoothed{sequence, run, metrics, *metrics.smoothed, run.smoothed};
+    metrics.smoothed->values = values_of(table, Scope::kTrajectory, smoothed);
+  }
+  metrics.values = values_of(table, Scope::kRun, filtered);
 }
 
 }  // namespace
 
-RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run,
-                           double gate_probability) {
+RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, double gate_probability,
+                           const MetricTable& table) {
   RunMetrics metrics;
   metrics.diverged = run.diverged;
   metrics.filtered = trajectory_metrics(sequence, run.filtered);
@@ -68,8 +89,9 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run,
   metrics.nis.mean =
       run.totals.accepted == 0 ? kUndefined : run.totals.nis_sum / run.totals.accepted;
   metrics.nis.expected = gated_mean(gate_probability, metrics.nis.dof);
-  metrics.coverage = coverage_of(run);
+  metrics.measurements = measurement_counts(run);
   metrics.runtime = runtime_metrics(run.timing, run.smoothing_ms);
+  evaluate_table(table, sequence, run, metrics);
   return metrics;
 }
 

@@ -1,4 +1,4 @@
-// Every metric of DESIGN section 6 that one run allows.
+// What is computed once of a finished run, and the value of every row of the table of metrics.
 //
 // What cannot be known is absent, with a reason: accuracy without truth, NEES without exact truth
 // (NEES against a measured truth measures the truth as well) or without a covariance.
@@ -11,6 +11,7 @@
 #include "eval/metrics/accuracy.h"
 #include "eval/metrics/classification_table.h"
 #include "eval/metrics/landmark_metrics.h"
+#include "eval/metrics/metric.h"
 #include "eval/metrics/nees.h"
 #include "eval/metrics/runtime.h"
 #include "eval/result/run_result.h"
@@ -26,6 +27,7 @@ struct Known {
 struct TrajectoryMetrics {
   Known<Accuracy> accuracy;
   Known<PoseConsistency> consistency;
+  std::vector<MetricValue> values;
 };
 
 struct NisMetrics {
@@ -34,15 +36,15 @@ struct NisMetrics {
   double expected = 0.0;  // of a consistent filter, given that the gate cuts the tail off
 };
 
-struct Coverage {
+struct MeasurementCounts {
   int frames_offered = 0;
   int frames_done = 0;
   int offered = 0;  // measurements of landmarks in the state: accepted + rejected + out of view
   int accepted = 0;
   int rejected = 0;
   int out_of_view = 0;
-  int admitted = 0;
-  int lost = 0;
+  int initialised = 0;             // landmarks
+  int pruned = 0;                  // landmarks
   int negative_inverse_depth = 0;  // sum over the frames
 };
 
@@ -54,10 +56,12 @@ struct RunMetrics {
   Known<LandmarkConsistency> landmark_consistency;
   ClassificationMetrics classification;
   NisMetrics nis;
-  Coverage coverage;
+  MeasurementCounts measurements;
   RuntimeMetrics runtime;
+  std::vector<MetricValue> values;
 };
 
-RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, double gate_probability);
+RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, double gate_probability,
+                           const MetricTable& table = metric_table());
 
 }  // namespace slammot

@@ -19,37 +19,43 @@ double nees(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance) {
   return std::isfinite(value) ? value : kFailure;
 }
 
+double nees_if_defined(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance) {
+  return error.hasNaN() || covariance.hasNaN() ? kUndefined : nees(error, covariance);
+}
+
 NeesSummary summarise_nees(const std::vector<double>& samples, int dof) {
   const Interval interval = nees_interval(dof);
   NeesSummary s;
   s.dof = dof;
   s.used = static_cast<int>(samples.size());
-  int inside = 0;
+  int covered = 0;
   for (const double x : samples) {
     s.failures += std::isfinite(x) ? 0 : 1;
-    inside += x >= interval.lower && x <= interval.upper ? 1 : 0;
+    covered += x >= interval.lower && x <= interval.upper ? 1 : 0;
   }
   s.mean = mean(samples);
   s.median = median(samples);
   s.q95 = quantile(samples, 0.95);
   s.lower = interval.lower;
   s.upper = interval.upper;
-  s.fraction_inside = s.used == 0 ? std::numeric_limits<double>::quiet_NaN()
-                                  : static_cast<double>(inside) / static_cast<double>(s.used);
+  s.interval_coverage = s.used == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                    : static_cast<double>(covered) / static_cast<double>(s.used);
   return s;
+}
+
+PoseNees pose_nees(const PosePair& pair) {
+  const Vector12d error = boxminus(pair.truth, pair.estimate.state);
+  const Matrix12d& P = pair.estimate.covariance;
+  return {pair.frame, pair.estimate.timestamp, nees(error.head<6>(), P.topLeftCorner<6, 6>()),
+          nees(error.segment<3>(kPosition), P.block<3, 3>(kPosition, kPosition)),
+          nees(error.segment<3>(kRotation), P.block<3, 3>(kRotation, kRotation))};
 }
 
 PoseConsistency pose_consistency(const std::vector<PosePair>& pairs) {
   PoseConsistency result;
   std::vector<double> pose, position, rotation;
   for (size_t i = 1; i < pairs.size(); ++i) {
-    const PosePair& pair = pairs[i];
-    const Vector12d error = boxminus(pair.truth, pair.estimate.state);
-    const Matrix12d& P = pair.estimate.covariance;
-    const PoseNees sample{pair.frame, pair.estimate.timestamp,
-                          nees(error.head<6>(), P.topLeftCorner<6, 6>()),
-                          nees(error.segment<3>(kPosition), P.block<3, 3>(kPosition, kPosition)),
-                          nees(error.segment<3>(kRotation), P.block<3, 3>(kRotation, kRotation))};
+    const PoseNees sample = pose_nees(pairs[i]);
     pose.push_back(sample.pose);
     position.push_back(sample.position);
     rotation.push_back(sample.rotation);

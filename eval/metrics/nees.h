@@ -5,7 +5,7 @@
 // a pose. Consistent estimates have NEES ~ chi-square(dof), mean dof. A covariance that is not
 // positive definite has no NEES: it is infinite and counted as a failure, never zero.
 //
-// Frames of one run are correlated: its interval and the fraction inside only describe, and decide
+// Frames of one run are correlated: its interval and the interval coverage describe and decide
 // nothing; tests of consistency average over runs at one frame.
 #pragma once
 
@@ -18,6 +18,9 @@ namespace slammot {
 
 double nees(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance);
 
+// NaN where a number of the error or of the covariance is not defined, which is no failure.
+double nees_if_defined(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance);
+
 struct NeesSummary {
   int dof = 0;
   int used = 0;       // samples, failures included
@@ -27,7 +30,7 @@ struct NeesSummary {
   double q95 = 0.0;    // 95% quantile of the samples
   double lower = 0.0;  // two-sided 95% interval of a single sample
   double upper = 0.0;
-  double fraction_inside = 0.0;  // of the samples
+  double interval_coverage = 0.0;  // samples inside the interval, as a ratio
 };
 
 NeesSummary summarise_nees(const std::vector<double>& samples, int dof);
@@ -39,6 +42,8 @@ struct PoseNees {
   double position = 0.0;  // 3
   double rotation = 0.0;  // 3
 };
+
+PoseNees pose_nees(const PosePair& pair);
 
 struct PoseConsistency {
   NeesSummary pose;

@@ -7,9 +7,11 @@ import json
 import math
 from dataclasses import dataclass, field
 
+from metrics import read_table
+
 FORMAT = "slammot-compare-1"
 
-# Okabe and Ito's palette, told apart by every kind of colour vision; black is the truth's.
+# Okabe and Ito's palette, safe for all kinds of colour vision; black is the ground truth.
 RUN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31")
 
 
@@ -25,6 +27,7 @@ class Run:
     landmark: str
     colour: str
     metrics: dict
+    table: dict   # key to metrics.Metric
     series: dict
     smoothed_series: dict
     configuration: dict
@@ -34,6 +37,12 @@ class Run:
     def metric(self, *path):
         """A metric by its path in metrics.json, None where it is not defined."""
         return dig(self.metrics, *path)
+
+    def value(self, key, which="filtered"):
+        """The value of a metric of the table, None where it is not defined."""
+        metric = self.table[key]
+        path = metric.path.split(".")
+        return self.metric(which, *path) if metric.of == "trajectory" else self.metric(*path)
 
     @property
     def divergence(self):
@@ -46,6 +55,7 @@ class Comparison:
     version: str
     sequence: dict
     truth: dict
+    table: dict  # key to metrics.Metric
     runs: list
 
     @property
@@ -119,11 +129,11 @@ def named(entries):
     return names if len(set(names)) == len(names) else [e["label"] for e in entries]
 
 
-def read_run(output, entry, name, colour):
+def read_run(output, entry, table, name, colour):
     folder = output / entry["folder"]
     return Run(
         label=entry["label"], name=name, estimator=entry["estimator"], landmark=entry["landmark"],
-        colour=colour, metrics=entry.get("metrics") or {}, series=entry.get("series") or {},
+        colour=colour, metrics=entry.get("metrics") or {}, table=table, series=entry.get("series") or {},
         smoothed_series=entry.get("smoothed_series") or {},
         configuration=entry.get("configuration") or {},
         position_sigma=read_position_sigma(folder / "pose_covariance.csv"),
@@ -135,9 +145,10 @@ def read_comparison(output):
     content = read_json(path, FORMAT)
     try:
         entries = content["runs"]
-        runs = [read_run(path.parent, entry, name, RUN_COLOURS[i % len(RUN_COLOURS)])
+        table = read_table(content["metrics"])
+        runs = [read_run(path.parent, entry, table, name, RUN_COLOURS[i % len(RUN_COLOURS)])
                 for i, (entry, name) in enumerate(zip(entries, named(entries)))]
         return Comparison(command=content["command"], version=content["version"],
-                          sequence=content["sequence"], truth=content.get("truth") or {}, runs=runs)
+                          sequence=content["sequence"], truth=content.get("truth") or {}, table=table, runs=runs)
     except KeyError as error:
         raise BadInput(f"{path}: the key {error} is missing") from error

@@ -3,9 +3,12 @@ import pathlib
 from dataclasses import dataclass
 
 from comparison import RUN_COLOURS, BadInput
-from study_tables import BOUND, estimators_of
+from study_tables import estimators_of, is_bound
 
 FEWEST = 3  # landmarks that make a box
+
+
+FIGURES = {}  # by the name that a study's file gives; eval/study/study.cpp lists the names
 
 
 @dataclass
@@ -13,6 +16,12 @@ class Figure:
     title: str
     caption: str
     png: pathlib.Path
+
+
+def registered(draw):
+    """A figure is a function of (pyplot, summary) that returns (figure, (title, caption)); its name is the function's."""
+    FIGURES[draw.__name__] = draw
+    return draw
 
 
 def pyplot():
@@ -37,17 +46,17 @@ def colours(summary):
     return {label: RUN_COLOURS[i % len(RUN_COLOURS)] for i, label in enumerate(labels)}
 
 
-def drawn(group):
-    return [cell for cell in group["cells"] if "per_frame" in cell and cell["estimator"] != BOUND]
+def plotted(group):
+    return [cell for cell in group["cells"] if "per_frame" in cell and not is_bound(cell)]
 
 
-def drawn_cells(summary):
-    """(group's name, cell) of all that is drawn."""
-    return [(group["name"], cell) for group in summary["groups"] for cell in drawn(group)]
+def plotted_cells(summary):
+    """(group's name, cell) of all that is plotted."""
+    return [(group["name"], cell) for group in summary["groups"] for cell in plotted(group)]
 
 
 def bound_of(group):
-    return next((cell for cell in group["cells"] if cell["estimator"] == BOUND and "per_frame" in cell), None)
+    return next((cell for cell in group["cells"] if is_bound(cell) and "per_frame" in cell), None)
 
 
 def grid(plt, rows, columns, width, height):
@@ -58,14 +67,14 @@ def grid(plt, rows, columns, width, height):
 def group_rows(plt, summary, columns, width, height):
     """A figure, and for each group (group, its row of axes, its cells): a cell is (cell, colour and label of its marks)."""
     colour = colours(summary)
-    groups = [(g, [(c, {"color": colour[c["label"]], "label": c["label"]}) for c in drawn(g)])
-              for g in summary["groups"] if drawn(g)]
+    groups = [(g, [(c, {"color": colour[c["label"]], "label": c["label"]}) for c in plotted(g)])
+              for g in summary["groups"] if plotted(g)]
     figure, rows = grid(plt, len(groups), columns, width, height)
     return figure, [(group, row, cells) for row, (group, cells) in zip(rows, groups)]
 
 
 def explain(axis, legend=8, columns=1, **names):
-    """Title, names, scales and limits of an axis, and a legend of what is drawn in it."""
+    """Title, names, scales and limits of an axis, and a legend of what is plotted in it."""
     axis.set(**names)
     axis.legend(fontsize=legend, ncol=columns)
 
@@ -90,7 +99,7 @@ def boxes(axis, positions, stats, width, color, label):
 
 
 def camera_boxes(axis, cell, place, count, style):
-    """Of every so-manieth frame: the lower whisker ends at the lower quartile."""
+    """Of every n-th frame; the lower whisker ends at the lower quartile."""
     f = cell["per_frame"]
     stride = max(1, len(f["frame"]) // 24)
     picked = range(stride - 1, len(f["frame"]), stride)
@@ -100,6 +109,7 @@ def camera_boxes(axis, cell, place, count, style):
           0.6 * stride / count, **style)
 
 
+@registered
 def camera_error(plt, summary):
     figure, rows = group_rows(plt, summary, 1, 7.0, 2.9)
     for group, (axis,), cells in rows:
@@ -110,11 +120,11 @@ def camera_error(plt, summary):
             axis.plot(bound["per_frame"]["frame"], finite(bound["per_frame"]["position_sigma_m"]), color="black",
                       linewidth=1, linestyle="--", label="Cramér-Rao bound (RMS)")
         explain(axis, title=group["name"], xlabel="frame", ylabel="camera position error [m]", ylim=(0, None))
-    return figure, ("Error of the camera", "Boxes over the runs: quartiles and median, upper whisker at 95% (thesis figure 4.2a).")
+    return figure, ("Camera position error", "Boxes over the runs: median and quartiles, upper whisker at the 95% quantile (thesis figure 4.2a).")
 
 
 def landmark_boxes(axis, cell, key, place, count, style):
-    """By the number of observed frames, where there are landmarks enough."""
+    """By the number of observed frames, where there are enough landmarks."""
     ages = [a for a in cell["by_age"] if a[key]["count"] >= FEWEST]
     if not ages:
         return
@@ -124,6 +134,7 @@ def landmark_boxes(axis, cell, key, place, count, style):
     axis.set_xticks(range(len(ages)), [str(a["observations"]) for a in ages])
 
 
+@registered
 def landmark_error(plt, summary):
     figure, rows = group_rows(plt, summary, 2, 4.5, 3.0)
     for group, axes, cells in rows:
@@ -135,8 +146,8 @@ def landmark_error(plt, summary):
                 explain(axis, yscale="log")
             else:
                 axis.text(0.5, 0.5, "none", transform=axis.transAxes, ha="center")
-    return figure, ("Error of the landmarks", "Over all landmarks of all runs that reached so many measurements: quartiles, median, "
-                    "whiskers at 5% and 95%, logarithmic (thesis figures 4.2b and 4.2c).")
+    return figure, ("Landmark position error", "Over all landmarks of all runs with this number of measurements: median, quartiles, "
+                    "whiskers at the 5% and 95% quantiles; logarithmic scale (thesis figures 4.2b and 4.2c).")
 
 
 def by_scenario(summary):
@@ -153,6 +164,7 @@ def sweep_curve(groups, key, label, kind, bad):
     return sorted((value, bad(cell[kind]) / sum(cell[kind])) for value, cell in cells if kind in cell and sum(cell[kind]))
 
 
+@registered
 def classification_against_sweep(plt, summary):
     key = next((k for g in summary["groups"] for k in g["sweep"]), None)
     if key is None:
@@ -179,8 +191,9 @@ def label_bar(axis, y, counts, named):
         left += count / total
 
 
+@registered
 def classification(plt, summary):
-    rows = [(name, c) for name, c in drawn_cells(summary) if sum(c["static"]) or sum(c["moving"])]
+    rows = [(name, c) for name, c in plotted_cells(summary) if sum(c["static"]) or sum(c["moving"])]
     figure, axes = plt.subplots(1, 2, figsize=(9.0, 1.0 + 0.32 * len(rows)), sharey=True)
     for axis, kind in zip(axes, ("static", "moving")):
         for i, (_, cell) in enumerate(rows):
@@ -200,8 +213,9 @@ def velocity_component(axis, track, k, colour):
     axis.plot(track["frame"], truth, color=colour, linestyle="--", linewidth=0.8)
 
 
+@registered
 def velocity(plt, summary):
-    cells = [cell for _, cell in drawn_cells(summary) if cell["tracks"]]
+    cells = [cell for _, cell in plotted_cells(summary) if cell["tracks"]]
     if not cells:
         raise BadInput("velocity: the study records no tracks")
     figure, rows = grid(plt, len(cells), max(len(c["tracks"]) for c in cells), 3.4, 2.7)
@@ -211,13 +225,13 @@ def velocity(plt, summary):
                 velocity_component(axis, track, k, colour)
             explain(axis, legend=7, columns=3, title=f'{cell["label"]}: target {track["track"]}', xlabel="frame",
                     ylabel="velocity [m/s]", ylim=(-2.5, 2.5))
-    return figure, ("Velocities of the targets", "Median over the runs; shaded: two standard deviations as the estimator states them; "
-                    "dashed: the truth (thesis figures 3.1 and 3.2).")
+    return figure, ("Estimated velocities", "Median over the runs. Shaded: two standard deviations as stated by the estimator. "
+                    "Dashed: ground truth (thesis figures 3.1 and 3.2).")
 
 
 def cost_points(accuracy, consistency, cell, style):
     """A cell's RMSE with its interval, and its ANEES, against its time, where they are defined. A batch has its smoothed values and the
-    time of its solution, shared among the frames: its filtered ones are its front window's."""
+    time of its solution, divided by the frames: its filtered ones are those of its front window."""
     batch = "smoothed_anees" in cell
     rmse = cell.get("smoothed_position_rmse_m" if batch else "filtered_position_rmse_m")
     if not rmse or rmse["value"] is None:
@@ -231,16 +245,17 @@ def cost_points(accuracy, consistency, cell, style):
         consistency.plot(ms, mean, "o", **style)
 
 
+@registered
 def trade_off(plt, summary):
     figure, rows = group_rows(plt, summary, 2, 4.5, 3.3)
     for group, (accuracy, consistency), cells in rows:
         for cell, style in cells:
             cost_points(accuracy, consistency, cell, style)
         expected(consistency, 6)
-        shared = {"legend": 7, "title": group["name"], "xlabel": "time of a frame, median [ms]", "xscale": "log"}
+        shared = {"legend": 7, "title": group["name"], "xlabel": "median time per frame [ms]", "xscale": "log"}
         explain(accuracy, **shared, ylabel="position RMSE [m]", ylim=(0, None))
-        explain(consistency, **shared, ylabel="ANEES of the pose (6 is right)", yscale="log")
-    return figure, ("Accuracy and consistency against cost", "Filtered estimates, of a batch the smoothed ones; bars are 95% bootstrap intervals over runs.")
+        explain(consistency, **shared, ylabel="ANEES of the pose (6 expected)", yscale="log")
+    return figure, ("Accuracy and consistency against cost", "Filtered estimates; for a batch, smoothed ones. Bars: 95% bootstrap intervals over runs (2000 resamples).")
 
 
 def anees_line(axis, cell, part, style):
@@ -248,6 +263,7 @@ def anees_line(axis, cell, part, style):
     axis.plot(f["frame"], finite(f[f"anees_{part}"]), linewidth=1, **style)
 
 
+@registered
 def anees(plt, summary):
     figure, rows = group_rows(plt, summary, 3, 4.2, 2.9)
     for group, axes, cells in rows:
@@ -259,7 +275,7 @@ def anees(plt, summary):
                               linewidth=0, label="95% interval of a consistent estimator")
             expected(axis, dof)
             explain(axis, legend=7, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES ({part})", yscale="log")
-    return figure, ("Consistency of the camera", "Average NEES over the runs, frame by frame; 6 is right for the pose, 3 for position "
+    return figure, ("Consistency of the camera", "NEES averaged over the runs, for each frame. A consistent estimator has 6 for the pose and 3 for position "
                     "and rotation.")
 
 
@@ -267,6 +283,7 @@ def interval_band(axis, x, lower, upper, style):
     axis.fill_between(x, finite(lower), finite(upper), color=style["color"], alpha=0.2, linewidth=0)
 
 
+@registered
 def landmark_anees(plt, summary):
     figure, rows = group_rows(plt, summary, 2, 4.5, 2.9)
     for group, axes, cells in rows:
@@ -278,10 +295,11 @@ def landmark_anees(plt, summary):
             expected(axis, 3)
             explain(axis, legend=7, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES of landmarks ({part})",
                     yscale="log")
-    return figure, ("Consistency of the landmarks, frame by frame", "Average NEES over the landmarks measured in a frame and the runs, "
-                    "with its 95% bootstrap interval over runs; 3 is right.")
+    return figure, ("Consistency of the landmarks by frame", "NEES averaged over the landmarks measured in a frame and over the runs, "
+                    "with 95% bootstrap interval over runs (2000 resamples). A consistent estimator has 3.")
 
 
+@registered
 def anees_by_age(plt, summary):
     figure, rows = group_rows(plt, summary, 2, 4.5, 3.0)
     for group, axes, cells in rows:
@@ -296,23 +314,18 @@ def anees_by_age(plt, summary):
             expected(axis, 3)
             explain(axis, legend=7, title=f'{group["name"]}: {part}', xlabel="measurements of the landmark",
                     ylabel=f"ANEES ({part})", xscale="log", yscale="log")
-    return figure, ("Consistency of the landmarks by age", "Average NEES over the landmarks of all runs with so many measurements, "
-                    "with its 95% bootstrap interval over runs; 3 is right.")
-
-
-DRAWERS = {"camera_error": camera_error, "landmark_error": landmark_error, "classification": classification,
-           "classification_against_sweep": classification_against_sweep, "velocity": velocity, "trade_off": trade_off,
-           "anees": anees, "landmark_anees": landmark_anees, "anees_by_age": anees_by_age}
+    return figure, ("Consistency of the landmarks by age", "NEES averaged over the landmarks of all runs with this number of measurements, "
+                    "with 95% bootstrap interval over runs (2000 resamples). A consistent estimator has 3.")
 
 
 def draw_all(summary, folder):
     folder.mkdir(parents=True, exist_ok=True)
     plt = pyplot()
     figures = []
-    for name in filter(DRAWERS.__contains__, summary["figures"]):
-        if not any(drawn(group) for group in summary["groups"]):
+    for name in filter(FIGURES.__contains__, summary["figures"]):
+        if not any(plotted(group) for group in summary["groups"]):
             break  # every run failed at once: the tables say so
-        figure, (title, caption) = DRAWERS[name](plt, summary)
+        figure, (title, caption) = FIGURES[name](plt, summary)
         figure.tight_layout()
         figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None})
         figure.savefig(folder / f"{name}.png", dpi=150, metadata={"Software": None})

@@ -9,7 +9,7 @@ import sys
 import ranking
 import study_figures
 import study_tables
-from comparison import read_json
+from comparison import BadInput, read_json
 from page import rendered, run_report
 
 FORMAT = "slammot-summary-1"
@@ -19,7 +19,8 @@ def tables_of(summary):
     tables = {"ranking": ranking.table(summary)} if "ranking" in summary["figures"] else {}
     tables |= {"summary": study_tables.summary_table(summary),
               "consistency": study_tables.consistency_table(summary), "classification": study_tables.classification_table(summary),
-              "pairs": study_tables.pairs_table(summary), "coverage": study_tables.coverage_table(summary)}
+              "pairs": study_tables.pairs_table(summary), "metrics": study_tables.metrics_table(summary),
+              "coverage": study_tables.measurements_table(summary)}
     return {name: table for name, table in tables.items() if table.rows}
 
 
@@ -37,6 +38,8 @@ def inline(png):
 def page(output):
     """The page; its figures and tables are written to folders beside it."""
     summary = read_json(output / "summary.json", FORMAT)
+    if "metrics" not in summary:
+        raise BadInput(f"{output / 'summary.json'}: of an earlier release; `slammot study STUDY --merge` writes it anew")
     view = read_json(output / "view.json") if (output / "view.json").is_file() else None
     tables = tables_of(summary)
     write_tables(tables, output / "tables")

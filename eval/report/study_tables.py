@@ -1,10 +1,10 @@
-"""The tables of a study: summary, classification as the thesis's table 4.1, and paired comparisons."""
+"""The tables of a study: summary, every metric, consistency, classification as in the thesis's table 4.1, paired comparisons."""
 import csv
 import io
 import math
 from dataclasses import dataclass
 
-BOUND = "bound"
+import metrics
 
 
 @dataclass
@@ -53,6 +53,11 @@ def percent(part, whole):
     return "–" if not whole else f"{100.0 * part / whole:.1f}%"
 
 
+def is_bound(cell):
+    """Of the Cramér-Rao bound, which estimates nothing and is compared with nothing."""
+    return cell["kind"] == "lower_bound"
+
+
 def cells_of(summary):
     for group in summary["groups"]:
         for cell in group["cells"]:
@@ -60,12 +65,11 @@ def cells_of(summary):
 
 
 def estimators_of(summary):
-    """Without the bounds, which estimate nothing."""
-    return [(group, cell) for group, cell in cells_of(summary) if cell["estimator"] != BOUND]
+    return [(group, cell) for group, cell in cells_of(summary) if not is_bound(cell)]
 
 
 def bound_row(group, cell):
-    """What is stated: the standard deviation of the position, root mean square over the frames."""
+    """The standard deviation of the position, root mean square over the frames."""
     sigma = [s for s in cell.get("per_frame", {}).get("position_sigma_m", []) if s is not None]
     stated = math.sqrt(sum(s * s for s in sigma) / len(sigma)) if sigma else None
     return [group["name"], cell["label"], str(cell["runs"]), str(len(cell["diverged"])), "–", number(stated)] + ["–"] * 10
@@ -74,7 +78,7 @@ def bound_row(group, cell):
 def summary_table(summary):
     rows = []
     for group, cell in cells_of(summary):
-        if cell["estimator"] == BOUND:
+        if is_bound(cell):
             rows.append(bound_row(group, cell))
             continue
         anees = cell.get("anees", {})
@@ -92,17 +96,19 @@ def summary_table(summary):
             number(timing.get("frame_median_ms"))])
     return Table(
         "Summary",
-        "Over all runs; brackets are 95% bootstrap intervals over runs. A batch's filtered values are its front window's: its own are the smoothed ones. A run is diverged when its numbers are none any "
-        "more, lost when its error once exceeds a metre and a tenth of the path. ANEES is averaged over frames too (6 and 3 are "
-        "right); inside: the part of the frames whose ANEES lies in its two-sided 95% interval. RMSE are of runs that did not diverge. "
-        "A bound's row gives the standard deviation of the posterior Cramér-Rao bound, for known labels and the same policy of births and "
-        "deaths; a biased estimator may seem to beat it. NIS is of the measurements that pass the gate, expected: what a consistent estimator would have.",
-        ["scenario", "estimator", "runs", "diverged", "lost", "position RMSE [m]", "over the bound", "the same, median run", "rotation RMSE [deg]",
-         "ANEES pose", "inside", "ANEES position", "NIS", "NIS expected", "smoothed RMSE [m]", "frame [ms]"], rows)
+        "Over all runs; brackets: 95% bootstrap intervals over runs (2000 resamples). A run has diverged when its state is no longer finite, "
+        "and has failed when its position error exceeds both 1 m and 10% of the path length. RMSE is over the runs that did not diverge. "
+        "RMSE over bound: ratio to the standard deviation of the posterior Cramér-Rao bound, over all runs and for the median run. "
+        "ANEES is the NEES averaged over runs and frames; a consistent estimator has 6 (pose) and 3 (position). Interval coverage: frames "
+        "whose ANEES lies in its two-sided 95% interval. NIS is of the accepted measurements; expected NIS is that of a consistent estimator "
+        "with the same gate. The row of a bound gives its standard deviation, for known labels and the same track policy; a biased estimator "
+        "can have a smaller error. The filtered values of a batch are those of its front window; its own are the smoothed ones.",
+        ["scenario", "estimator", "runs", "diverged", "failed", "position RMSE [m]", "RMSE over bound", "RMSE over bound, median run", "rotation RMSE [deg]",
+         "ANEES pose", "interval coverage", "ANEES position", "NIS", "expected NIS", "smoothed RMSE [m]", "time per frame [ms]"], rows)
 
 
 def anees_mean(part):
-    """∞ where a covariance was none in some frame."""
+    """∞ where a covariance was not positive definite in some frame."""
     return "∞" if part.get("infinite") else number(part.get("mean"))
 
 
@@ -116,11 +122,11 @@ def consistency_table(summary):
                              number(a["largest"]) if a["largest"] is not None else "∞", percent(a["inside"], 1)])
     return Table(
         "Consistency",
-        "ANEES of each part of the state: mean and largest over the frames, and the part of the frames that are inside. Of the camera: "
-        "whose ANEES lies in the two-sided 95% interval of a consistent estimator. Of landmarks, which share their camera's error: "
-        "whose 95% bootstrap interval over runs holds 3, which a wide interval does easily: read it beside the mean. Velocities are of the "
-        "landmarks that are unknown or moving; one that is labelled static has none.",
-        ["scenario", "estimator", "part", "right is", "mean", "largest", "inside"], rows)
+        "ANEES of each part of the state: mean and maximum over the frames, and interval coverage as a share of the frames. For the camera, "
+        "a frame is covered if its ANEES lies in the two-sided 95% interval of a consistent estimator. Landmarks of one run share the error of its camera. "
+        "For them, a frame is covered if the 95% bootstrap interval over runs contains 3. A wide interval does so easily, so read it with the mean. "
+        "Velocities are of the landmarks labelled unknown or moving.",
+        ["scenario", "estimator", "part", "expected", "mean", "maximum", "interval coverage"], rows)
 
 
 def counts_row(group, label, static, moving):
@@ -140,17 +146,17 @@ def classification_table(summary):
     for group, cell in estimators_of(summary):
         if "static" in cell:
             rows.append(counts_row(group["name"], cell["label"], cell["static"], cell["moving"]))
-            rows.append(counts_row(group["name"], f'{cell["label"]}, seen 10 times or more',
+            rows.append(counts_row(group["name"], f'{cell["label"]}, observed at least ten times',
                                    cell["static_often_seen"], cell["moving_often_seen"]))
             if sum(cell["standing_by_frame"]) > 0:
-                rows.append(counts_row(group["name"], f'{cell["label"]}, objects frame by frame',
+                rows.append(counts_row(group["name"], f'{cell["label"]}, objects, by frame',
                                        cell["standing_by_frame"], cell["moving_by_frame"]))
     return Table(
         "Classification",
-        "Landmarks over all runs, by their true class. Right, wrong, undecided; misclassified are the wrong and the undecided "
-        "(thesis 4.1.1). Many movers cross the image in a few frames: the second row of each is of landmarks measured at least "
-        "ten times. Those of the first frame are static by rule and not counted, nor are known ones. Where objects stop, the third row is of "
-        "the frames in which they were measured standing (under static) and moving.",
+        "Landmarks over all runs, by true class. Misclassified: wrong or undecided. Many moving landmarks cross the image in a few frames, "
+        "so the second row counts only landmarks observed at least ten times. Landmarks of the first frame are static by rule and are not "
+        "counted; neither are known landmarks. Where objects stop, the third row counts frames in which they were measured: at rest "
+        "(under static) and moving.",
         ["scenario", "estimator"] + [f"{kind} {what}" for kind in ("static", "moving")
                                      for what in ("right", "wrong", "undecided", "right %", "misclassified %")], rows)
 
@@ -164,23 +170,53 @@ def pairs_table(summary):
                          str(pair["wins_b"]), with_interval(difference)])
     return Table(
         "Paired comparisons",
-        "The same measurements for both. Wins: pairs with the smaller position RMSE (of a batch: smoothed); a diverged run loses. Difference of the "
-        "position RMSE, mean over the pairs in which both finished, with its 95% bootstrap interval.",
+        "Both estimators use the same measurements. Wins: pairs with the smaller position RMSE (for a batch, of the smoothed trajectory); a diverged run loses. "
+        "Difference of the position RMSE: mean over the pairs in which both finished, 95% bootstrap interval (2000 resamples).",
         ["scenario", "pair", "pairs", "first wins", "second wins", "difference [m]"], rows)
 
 
-def coverage_table(summary):
+def metric_cell(metric, cell, which):
+    if metric.pooled == "timing":
+        return metrics.text(metric, cell.get("timing", {}).get(metric.key))
+    return with_interval(cell.get(which + metric.key))
+
+
+def metrics_table(summary):
+    """A column for each metric that is pooled over runs and defined in some cell."""
+    pooled = [m for m in metrics.read_table(summary["metrics"]).values() if m.pooled != "not"]
+    columns = [(m, which) for m in pooled for which in (("filtered_", "smoothed_") if m.of == "trajectory" else ("",))]
+    cells = [(group, cell) for group, cell in estimators_of(summary) if "anees" in cell]
+    columns = [(m, which) for m, which in columns
+               if any(metric_cell(m, cell, which) != metrics.UNDEFINED for _, cell in cells)]
+    rows = [[group["name"], cell["label"]] + [metric_cell(m, cell, which) for m, which in columns] for group, cell in cells]
+    names = [metrics.heading(m) if which != "smoothed_" else f"smoothed: {metrics.heading(m)}" for m, which in columns]
+    explained = " ".join(f"{m.name[:1].upper()}{m.name[1:]}: {m.caption}." for m in dict.fromkeys(m for m, _ in columns))
+    return Table(
+        "Metrics",
+        f"Mean over the runs, or root mean square where the metric is an RMSE, with 95% bootstrap interval (2000 resamples); times: median over the runs. {explained}",
+        ["scenario", "estimator"] + names, rows)
+
+
+def at_frames(failures):
+    return "; ".join(f'seed {f["seed"]} at frame {f["frame"]}' for f in failures) or "none"
+
+
+# Names of counts in journals of release 0.1, which a study may still be merged from.
+OLD_COUNTS = {"frames": "frames_done", "offered": "measurements_offered", "admitted": "landmarks_admitted", "lost": "landmarks_lost"}
+
+
+def measurements_table(summary):
     rows = []
     for group, cell in estimators_of(summary):
-        coverage = cell.get("coverage")
-        if not coverage:
+        counts = cell.get("coverage")
+        if not counts:
             continue
-        offered = coverage["offered"]
-        rows.append([group["name"], cell["label"], f'{coverage["frames"]:.0f}', f"{offered:.0f}",
-                     percent(coverage["rejected"], offered), percent(coverage["out_of_view"], offered),
-                     f'{coverage["admitted"]:.0f}', f'{coverage["lost"]:.0f}',
-                     "; ".join(f'seed {d["seed"]} at frame {d["frame"]}' for d in cell["diverged"]) or "none",
-                     "; ".join(f'seed {d["seed"]} at frame {d["frame"]}' for d in cell["lost"]) or "none"])
+        counts = {OLD_COUNTS.get(name, name): value for name, value in counts.items()}
+        offered = counts["measurements_offered"]
+        rows.append([group["name"], cell["label"], f'{counts["frames_done"]:.0f}', f"{offered:.0f}",
+                     percent(counts["rejected"], offered), percent(counts["out_of_view"], offered),
+                     f'{counts["landmarks_admitted"]:.0f}', f'{counts["landmarks_lost"]:.0f}',
+                     at_frames(cell["diverged"]), at_frames(cell["lost"])])
     return Table(
-        "Coverage", "What was used, what was not, and which runs went wrong. Measurements of landmarks in the state.",
-        ["scenario", "estimator", "frames", "measurements", "rejected", "out of view", "born", "given up", "diverged", "lost"], rows)
+        "Measurement counts", "Measurements of landmarks in the state, landmarks initialised and pruned, and the runs that diverged or failed.",
+        ["scenario", "estimator", "frames", "measurements", "rejected", "out of view", "initialised", "pruned", "diverged", "failed"], rows)

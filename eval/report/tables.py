@@ -1,7 +1,8 @@
 """The tables of the page: texts of cells, with the best of a column marked where there is a best."""
 from dataclasses import dataclass
 
-UNDEFINED = "–"
+import metrics
+from metrics import UNDEFINED
 
 
 @dataclass
@@ -25,74 +26,48 @@ def percent(ratio):
     return UNDEFINED if ratio is None else f"{100 * ratio:.0f}%"
 
 
-def right_ratio(run, kind):
-    counts = run.metric("classification", kind) or {}
-    total = sum(counts.get(name) or 0 for name in ("right", "wrong", "undecided"))
-    return counts["right"] / total if total else None
+def columns(comparison, of):
+    return [metric for metric in comparison.table.values() if metric.of == of and metric.on_page]
 
 
-def trajectory_columns(run, which):
-    get = lambda *path: run.metric(which, *path)
-    inside = get("nees", "pose", "fraction_inside")
-    return [
-        (get("accuracy", "position_rmse_m"), shown, ""),
-        (get("accuracy", "position_final_m"), shown, ""),
-        (get("accuracy", "rotation_rmse_deg"), shown, ""),
-        (get("nees", "pose", "mean"), shown, "" if inside is None else f"{percent(inside)} inside"),
-        (get("nees", "position", "mean"), shown, ""),
-    ]
-
-
-def run_columns(run):
-    p95 = run.metric("runtime", "frame_p95_ms")
+def frames(run):
+    """How many frames the run has done, of how many where it ended before the last."""
     done, offered = (run.metric("coverage", name) for name in ("frames_done", "frames_offered"))
-    of = f"of {offered}" if offered is not None and done != offered else ""
-    return [
-        (run.metric("nis", "mean"), shown, ""),
-        (right_ratio(run, "static"), percent, ""),
-        (right_ratio(run, "moving"), percent, ""),
-        (run.metric("runtime", "frame_median_ms"), shown, "" if p95 is None else f"p95 {shown(p95)}"),
-        (run.metric("runtime", "state_size_median"), shown, ""),
-        (done, shown, of),
-    ]
+    return Cell(shown(done), note=f"of {offered}" if offered is not None and done != offered else "")
 
 
-# name, unit or expectation, and how the best of the column is found among the runs that finished.
-SUMMARY_HEAD = [
-    ("position RMSE", "m", min), ("final error", "m", min), ("rotation RMSE", "deg", min),
-    ("pose NEES", "6 expected", lambda values: min(values, key=lambda v: abs(v - 6.0))),
-    ("position NEES", "3 expected", lambda values: min(values, key=lambda v: abs(v - 3.0))),
-    ("NIS", "", None), ("static right", "", max), ("moving right", "", max),
-    ("time a frame", "ms", min), ("state size", "", None), ("frames", "", None),
-]
+def expected(comparison, metric):
+    """What a consistent run has: a number of the runs themselves."""
+    values = [run.value(metric.expected) for run in comparison.runs] if metric.expected else []
+    return next((value for value in values if value is not None), None)
 
 
 def summary_head(comparison):
-    head = [[name, unit] for name, unit, _ in SUMMARY_HEAD]
-    for run in comparison.runs:
-        expected = run.metric("nis", "expected_mean")
-        if expected is not None:
-            head[5][1] = f"{shown(expected)} expected"
-    return head
+    """(name, unit or expected value, caption) of each column."""
+    head = []
+    for metric in columns(comparison, "trajectory") + columns(comparison, "run"):
+        value = expected(comparison, metric)
+        head.append((metric.name, metric.unit if value is None else f"{shown(value)} expected", metric.caption))
+    return head + [("frames", "", "frames done")]
 
 
 def summary(comparison):
-    """A row per run: (run, cells, smoothed cells or None)."""
-    columns = [trajectory_columns(run, "filtered") + run_columns(run) for run in comparison.runs]
-    competing = [row for run, row in zip(comparison.runs, columns) if run.divergence is None]
-    best = []
-    for i, (_, _, pick) in enumerate(SUMMARY_HEAD):
-        values = [row[i][0] for row in competing if row[i][0] is not None]
-        best.append(pick(values) if pick and len(set(values)) > 1 else None)
+    """A row per run: (run, cells, cells of the smoothed trajectory or None, columns that it leaves empty)."""
+    of_trajectory, of_run = columns(comparison, "trajectory"), columns(comparison, "run")
+    competing = [run for run in comparison.runs if run.divergence is None]
+    best = {m.key: metrics.best(m, [run.value(m.key) for run in competing], expected(comparison, m))
+            for m in of_trajectory + of_run}
     rows = []
-    for run, row in zip(comparison.runs, columns):
-        cells = [Cell(form(value), run.divergence is None and value is not None and value == best[i],
-                      note) for i, (value, form, note) in enumerate(row)]
+    for run in comparison.runs:
+        cells = []
+        for m in of_trajectory + of_run:
+            value = run.value(m.key)
+            wins = run.divergence is None and value is not None and value == best[m.key]
+            cells.append(Cell(metrics.text(m, value), wins))
         smoothed = None
         if run.metric("smoothed"):
-            smoothed = [Cell(form(value), note=note)
-                        for value, form, note in trajectory_columns(run, "smoothed")]
-        rows.append((run, cells, smoothed))
+            smoothed = [Cell(metrics.text(m, run.value(m.key, "smoothed"))) for m in of_trajectory]
+        rows.append((run, cells + [frames(run)], smoothed, len(of_run) + 1))
     return rows
 
 

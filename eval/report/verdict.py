@@ -1,25 +1,25 @@
 """The comparison in words, computed from its numbers. Each finding is (heading, sentences).
 
-One run of each estimator describes; it does not prove. The words are chosen accordingly.
+One run of each estimator is a description and no proof of a difference.
 """
 import math
 
-SAME = 0.03  # a relative difference below this is called none
+SAME = 0.03  # a relative difference below this is not reported
 
-# NEES over its degrees of freedom, averaged over the frames of a run: what to call it.
-PESSIMISTIC, OVERCONFIDENT = 0.67, 1.5
+# Mean NEES over its degrees of freedom, over the frames of a run: what to call it.
+CONSERVATIVE, OVERCONFIDENT = 0.67, 1.5
 
 
 def rmse(run):
-    return run.metric("filtered", "accuracy", "position_rmse_m")
+    return run.value("position_rmse_m")
 
 
 def nees_ratio(run):
-    return run.metric("filtered", "nees", "pose", "mean_over_dof")
+    return run.value("nees.pose.mean_over_dof")
 
 
 def frame_ms(run):
-    return run.metric("runtime", "frame_median_ms")
+    return run.value("frame_median_ms")
 
 
 def ranked(runs, measure):
@@ -41,11 +41,11 @@ def metres(value):
 
 
 def divergence(comparison):
-    lost = [run for run in comparison.runs if run.divergence is not None]
+    failed = [run for run in comparison.runs if run.divergence is not None]
     sentences = [f"{run.name} diverged at frame {run.divergence['frame']} "
-                 f"({run.divergence['reason']}); its numbers cover only the frames before."
-                 for run in lost]
-    return [("Diverged", sentences)] if lost else []
+                 f"({run.divergence['reason']}); its metrics cover only the frames before."
+                 for run in failed]
+    return [("Diverged", sentences)] if failed else []
 
 
 def within_landmark_model(rows):
@@ -81,27 +81,27 @@ def accuracy(comparison, runs):
 def judged(ratio):
     if ratio > OVERCONFIDENT:
         return "overconfident"
-    return "pessimistic" if ratio < PESSIMISTIC else "believable"
+    return "conservative" if ratio < CONSERVATIVE else "consistent on average"
 
 
 def consistency_of(run):
     ratio = nees_ratio(run)
-    failures = run.metric("filtered", "nees", "pose", "covariances_not_positive_definite") or 0
+    failures = run.value("nees.pose.covariances_not_positive_definite") or 0
     if failures:
         return f"{run.name} reports {failures} covariances that are not positive definite."
-    inside = run.metric("filtered", "nees", "pose", "fraction_inside")
+    coverage = run.value("nees.pose.fraction_inside")
     text = (f"{run.name} is {judged(ratio)}: mean pose NEES {6 * ratio:.3g} (6 expected)")
-    if inside is not None:
-        text += f", {100 * inside:.0f}% of frames inside the 95% interval"
+    if coverage is not None:
+        text += f", {100 * coverage:.0f}% of the frames in the 95% interval"
     if judged(ratio) == "overconfident":
-        text += f"; its errors are about {times(math.sqrt(ratio))} what its covariance claims"
+        text += f"; its errors are about {times(math.sqrt(ratio))} its stated standard deviation"
     return text + "."
 
 
 def consistency(comparison, runs):
     known = [run for run in runs
              if nees_ratio(run) is not None
-             or run.metric("filtered", "nees", "pose", "covariances_not_positive_definite")]
+             or run.value("nees.pose.covariances_not_positive_definite")]
     if not known:
         reasons = {run.metric("filtered", "nees_reason") for run in runs} - {None, ""}
         reason = listed(sorted(reasons)) if reasons else "no run has both a covariance and a truth"
@@ -122,12 +122,12 @@ def labels(runs):
     if not rows:
         return []
     (least, worst), (most, best) = rows[0], rows[-1]
-    text = f"{best.name} labels {100 * most:.0f}% of the points correctly"
+    text = f"{best.name} labels {100 * most:.0f}% of the landmarks correctly"
     if most - least >= SAME:
         text += f", {worst.name} {100 * least:.0f}%"
     elif len(rows) > 1:
-        text += "; the other does" if len(rows) == 2 else "; the others do"
-        text += " about as well"
+        text += "; the other differs" if len(rows) == 2 else "; the others differ"
+        text += f" by less than {100 * SAME:.0f} percentage points"
     return [("Labels", [text + "."])]
 
 
@@ -147,20 +147,20 @@ def cost(comparison, runs):
     fastest, quick = rows[0]
     slowest, slow = rows[-1]
     if len(rows) == 1:
-        sentences = [f"{quick.name} takes {fastest:.3g} ms a frame (median)."]
+        sentences = [f"{quick.name} takes {fastest:.3g} ms per frame (median)."]
     elif slowest <= (1.0 + SAME) * fastest:
-        sentences = [f"All take about {slowest:.3g} ms a frame (median)."]
+        sentences = [f"All take about {slowest:.3g} ms per frame (median)."]
     else:
-        more = f", {times(slowest / fastest)} as much" if fastest > 0.0 else ""
-        sentences = [f"{quick.name} is the cheapest with {fastest:.3g} ms a frame (median), "
-                     f"{slow.name} the most expensive with {slowest:.3g} ms{more}."]
+        more = f", {times(slowest / fastest)} as long" if fastest > 0.0 else ""
+        sentences = [f"{quick.name} is the fastest with {fastest:.3g} ms per frame (median), "
+                     f"{slow.name} the slowest with {slowest:.3g} ms{more}."]
     rate = camera_rate(comparison)
     if rate is not None:
         late = [run.name for value, run in rows if value > 1000.0 / rate]
         sentences.append(
-            f"At the camera's {rate:.3g} Hz ({1000.0 / rate:.3g} ms a frame) " +
-            (f"{listed(late)} cannot keep up." if late else "all keep up." if len(rows) > 1
-             else "it keeps up."))
+            f"At the camera's {rate:.3g} Hz ({1000.0 / rate:.3g} ms per frame) " +
+            (f"{listed(late)} cannot run in real time." if late else "all run in real time." if len(rows) > 1
+             else "it runs in real time."))
     return [("Cost", sentences)]
 
 

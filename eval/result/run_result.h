@@ -1,5 +1,5 @@
 // What one run of one estimator over one sequence leaves behind. Plain data: produced by run.h or
-// read back by run_reader.h, judged by metrics.h, written by run_writer.h.
+// read back by run_reader.h, judged by metrics/, written by run_writer.h.
 //
 // A covariance that is not known is NaN, as in models/estimator.h.
 #pragma once
@@ -25,14 +25,14 @@ struct FrameCounts {
   int rejected = 0;
   int out_of_view = 0;
   int admitted = 0;
-  int lost = 0;
+  int pruned = 0;
   int negative_inverse_depth = 0;
   int state_size = 0;
   double nis_sum = 0.0;  // over the accepted
 };
 
 struct LandmarkRecord {
-  int frame = 0;  // the estimate is what was believed after this frame
+  int frame = 0;  // the estimate is that after this frame
   LandmarkEstimate estimate;
 };
 

@@ -4,8 +4,8 @@
 
 #include "datasets/readers/reader.h"
 #include "eval/metrics/label_truth.h"
-#include "eval/result/run_files.h"
-#include "eval/result/run_reader.h"
+#include "eval/output/run_files.h"
+#include "eval/output/run_reader.h"
 
 namespace slammot {
 namespace {
@@ -24,8 +24,8 @@ void take_truth_from(const Sequence& sequence, RunResult& run) {
 
 }  // namespace
 
-ComparedResult evaluate_run(const std::filesystem::path& folder,
-                            const std::optional<std::filesystem::path>& against) {
+NamedMetrics evaluate_run(const std::filesystem::path& folder,
+                          const std::optional<std::filesystem::path>& against) {
   StoredRun stored = read_run(folder);
   const std::optional<std::filesystem::path> path = against ? against : stored.sequence;
   if (!path) {

@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <optional>
 
-#include "eval/compare/compare.h"
+#include "eval/output/metrics_table.h"
 
 namespace slammot {
 
 // Without `against`, the sequence is the one run.yaml names. Throws InputError.
-ComparedResult evaluate_run(const std::filesystem::path& folder,
-                            const std::optional<std::filesystem::path>& against);
+NamedMetrics evaluate_run(const std::filesystem::path& folder,
+                          const std::optional<std::filesystem::path>& against);
 
 }  // namespace slammot

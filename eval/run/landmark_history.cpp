@@ -7,14 +7,6 @@
 
 namespace slammot {
 
-namespace {
-
-double nees_if_defined(const Eigen::Vector3d& error, const Eigen::Matrix3d& covariance) {
-  return error.hasNaN() || covariance.hasNaN() ? kUndefined : nees(error, covariance);
-}
-
-}  // namespace
-
 void LandmarkHistory::add(int frame, const std::vector<LandmarkEstimate>& landmarks) {
   newest_frame_ = frame;
   for (const LandmarkEstimate& landmark : landmarks) {

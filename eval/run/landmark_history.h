@@ -1,4 +1,4 @@
-// Follows the landmarks of an estimator over the frames: the latest belief about each, also after
+// Follows the landmarks of an estimator over the frames: the latest estimate of each, also after
 // it has left the state, what was known when it was classified, and its errors.
 #pragma once
 
@@ -14,17 +14,17 @@ class LandmarkHistory {
  public:
   explicit LandmarkHistory(const Sequence& sequence) : sequence_(sequence) {}
 
-  // The landmarks in the state after `frame`. A track that was lost and admitted again replaces the
-  // landmark it was before.
+  // The landmarks in the state after `frame`. A track that was pruned and initialised again
+  // replaces the landmark it was before.
   void add(int frame, const std::vector<LandmarkEstimate>& landmarks);
 
-  // The last word on landmarks that leave the state in this frame; before add().
+  // The final estimates of landmarks that leave the state in this frame; before add().
   void retire(int frame, const std::vector<LandmarkEstimate>& landmarks);
 
-  // All landmarks once more, after smoothing: they replace the belief, but are no new samples.
+  // All landmarks once more, after smoothing: they replace the estimates, but are no new samples.
   void revise(int frame, const std::vector<LandmarkEstimate>& landmarks);
 
-  // By track. Of a landmark that is gone it is the belief after its newest measurement: what
+  // By track. Of a landmark that is gone it is the estimate after its newest measurement: what
   // follows until it is removed is extrapolation, into frames that may have no true position.
   std::vector<LandmarkRecord> latest() const;
   std::vector<ClassificationRecord> classification() const;  // by track
@@ -33,7 +33,7 @@ class LandmarkHistory {
  private:
   struct Entry {
     bool gone = false;
-    LandmarkRecord record;    // the last word
+    LandmarkRecord record;    // the newest
     LandmarkRecord measured;  // after its newest measurement
     int observations_at_decision = 0;
   };

@@ -10,7 +10,7 @@
 namespace slammot {
 namespace {
 
-// A camera farther away is not lost but an overflow to be: its squares are no numbers any more.
+// A camera farther away will overflow: its squares are no numbers any more.
 constexpr double kNowhere = 1e9;  // [m]
 
 void require_finite(const CameraState& x) {
@@ -26,7 +26,7 @@ FrameCounts counts_of(const FrameReport& report) {
           .rejected = report.rejected,
           .out_of_view = report.out_of_view,
           .admitted = report.admitted,
-          .lost = static_cast<int>(report.retired.size()),
+          .pruned = static_cast<int>(report.retired.size()),
           .negative_inverse_depth = report.negative_inverse_depth,
           .state_size = report.state_size,
           .nis_sum = report.nis_sum};
@@ -37,7 +37,7 @@ void add_to(FrameCounts& totals, const FrameCounts& counts) {
   totals.rejected += counts.rejected;
   totals.out_of_view += counts.out_of_view;
   totals.admitted += counts.admitted;
-  totals.lost += counts.lost;
+  totals.pruned += counts.pruned;
   totals.negative_inverse_depth += counts.negative_inverse_depth;
   totals.state_size = std::max(totals.state_size, counts.state_size);
   totals.nis_sum += counts.nis_sum;
@@ -69,8 +69,8 @@ void drive_frame(const Frame& frame, Estimator& estimator, const DriveOptions& o
   }
 }
 
-// The last word on every landmark still in the state. A batch solves here, so that its landmarks
-// are known better than after the last frame.
+// The final estimate of every landmark still in the state. A batch solves here, so that its
+// landmarks are known better than after the last frame.
 void smooth(Estimator& estimator, LandmarkHistory& history, RunResult& result) {
   StageClock clock;
   const std::vector<CameraEstimate> smoothed = estimator.smoothed(clock);
@@ -105,19 +105,45 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
   return result;
 }
 
+namespace {
+
+struct Prepared {
+  Configuration configuration;
+  std::unique_ptr<Estimator> estimator;
+};
+
+Prepared prepare(const Sequence& sequence, Configuration configuration, const std::string& name) {
+  const EstimatorRow& row = find_estimator(name);
+  row.adjust(configuration);
+  const Setup setup = make_setup(sequence, configuration);
+  configuration = resolved(setup, std::move(configuration));
+  return {configuration, row.make(setup, configuration)};
+}
+
+}  // namespace
+
+EvaluatedRun run_and_evaluate(const Sequence& sequence, const Configuration& configuration,
+                              const std::string& estimator, const DriveOptions& options,
+                              const MetricTable& table) {
+  const Prepared prepared = prepare(sequence, configuration, estimator);
+  EvaluatedRun done;
+  done.configuration = prepared.configuration;
+  done.run = drive(sequence, *prepared.estimator, options);
+  done.metrics =
+      compute_metrics(sequence, done.run, prepared.configuration.model.gate_probability, table);
+  return done;
+}
+
+RunResult run_estimator(const Sequence& sequence, const Configuration& configuration,
+                        const std::string& estimator, const DriveOptions& options) {
+  return drive(sequence, *prepare(sequence, configuration, estimator).estimator, options);
+}
+
 Configuration effective_configuration(const Sequence& sequence, const Configuration& configuration,
                                       const std::string& estimator) {
   Configuration effective = configuration;
   find_estimator(estimator).adjust(effective);
   return resolve(sequence, effective);
-}
-
-RunResult run_estimator(const Sequence& sequence, const Configuration& configuration,
-                        const std::string& estimator, const DriveOptions& options) {
-  const Configuration effective = effective_configuration(sequence, configuration, estimator);
-  const Setup setup = make_setup(sequence, effective);
-  const std::unique_ptr<Estimator> made = find_estimator(estimator).make(setup, effective);
-  return drive(sequence, *made, options);
 }
 
 }  // namespace slammot

@@ -1,4 +1,4 @@
-// Runs one estimator over one sequence.
+// Runs one estimator over one sequence, and evaluates the run.
 #pragma once
 
 #include <functional>
@@ -6,6 +6,7 @@
 
 #include "datasets/sequence/sequence.h"
 #include "eval/configuration/configuration.h"
+#include "eval/metrics/metrics.h"
 #include "eval/result/run_result.h"
 
 namespace slammot {
@@ -19,8 +20,19 @@ struct DriveOptions {
 // says so or a number of the camera is not finite, and what was finished before is kept.
 RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptions& options = {});
 
-// The estimator of that name in the registry, as the configuration says. The sequence is taken as
-// it is: `frames.*` are applied beforehand, by select_frames().
+struct EvaluatedRun {
+  Configuration configuration;  // as the estimator used it, every value resolved
+  RunResult run;
+  RunMetrics metrics;
+};
+
+// The estimator of that name in the registry, as the configuration says: found, set up, run and
+// evaluated. The sequence is taken as it is: `frames.*` are applied beforehand, by select_frames().
+EvaluatedRun run_and_evaluate(const Sequence& sequence, const Configuration& configuration,
+                              const std::string& estimator, const DriveOptions& options = {},
+                              const MetricTable& table = metric_table());
+
+// The run alone.
 RunResult run_estimator(const Sequence& sequence, const Configuration& configuration,
                         const std::string& estimator, const DriveOptions& options = {});
 

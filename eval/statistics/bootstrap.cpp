@@ -10,16 +10,16 @@ namespace slammot {
 
 namespace {
 
-constexpr int kDrawings = 2000;
+constexpr int kResamples = 2000;
 
-// The runs of every drawing, of n each. Made once for each n: thousands of frames want the same.
-const std::vector<int>& drawings(int n) {
+// The runs of every resample, of n each. Made once for each n: thousands of frames use the same.
+const std::vector<int>& resamples(int n) {
   thread_local std::map<int, std::vector<int>> made;
   std::vector<int>& runs = made[n];
   if (!runs.empty()) return runs;
   RandomStream random(1, "bootstrap");
-  runs.reserve(static_cast<std::size_t>(kDrawings) * static_cast<std::size_t>(n));
-  for (int i = 0; i < kDrawings * n; ++i) runs.push_back(random.below(n));
+  runs.reserve(static_cast<std::size_t>(kResamples) * static_cast<std::size_t>(n));
+  for (int i = 0; i < kResamples * n; ++i) runs.push_back(random.below(n));
   return runs;
 }
 
@@ -35,11 +35,11 @@ Estimate bootstrap(const std::vector<double>& samples, const Statistic& statisti
   const int n = static_cast<int>(samples.size());
   const Estimate estimate{statistic(samples), kUndefined, kUndefined, n};
   if (n < 2) return estimate;
-  std::vector<double> values, drawn(samples.size());
-  auto run = drawings(n).begin();
-  for (int i = 0; i < kDrawings; ++i) {
-    for (double& x : drawn) x = samples[static_cast<std::size_t>(*run++)];
-    values.push_back(statistic(drawn));
+  std::vector<double> values, resampled(samples.size());
+  auto run = resamples(n).begin();
+  for (int i = 0; i < kResamples; ++i) {
+    for (double& x : resampled) x = samples[static_cast<std::size_t>(*run++)];
+    values.push_back(statistic(resampled));
   }
   return with_interval(estimate, values);
 }
@@ -52,14 +52,14 @@ Estimate bootstrap_mean(const std::vector<RunSum>& runs) {
   const Estimate estimate{all.sum / all.count, kUndefined, kUndefined, n};
   if (n < 2) return estimate;
   std::vector<double> values;
-  auto run = drawings(n).begin();
-  for (int i = 0; i < kDrawings; ++i) {
-    RunSum drawn;
+  auto run = resamples(n).begin();
+  for (int i = 0; i < kResamples; ++i) {
+    RunSum resampled;
     for (int k = 0; k < n; ++k) {
       const RunSum& r = runs[static_cast<std::size_t>(*run++)];
-      drawn = {drawn.sum + r.sum, drawn.count + r.count};
+      resampled = {resampled.sum + r.sum, resampled.count + r.count};
     }
-    if (drawn.count > 0.0) values.push_back(drawn.sum / drawn.count);
+    if (resampled.count > 0.0) values.push_back(resampled.sum / resampled.count);
   }
   return with_interval(estimate, values);
 }

@@ -1,5 +1,5 @@
 // Percentile bootstrap over runs (Efron & Tibshirani 1993): the runs are independent, the frames
-// and the landmarks of one run are not, so runs are what is drawn again.
+// and the landmarks of one run are not, so runs are resampled.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@ struct Estimate {
 
 using Statistic = std::function<double(const std::vector<double>&)>;
 
-// 2000 drawings from a fixed seed: the same samples give the same interval.
+// 2000 resamples from a fixed seed: the same samples give the same interval.
 Estimate bootstrap(const std::vector<double>& samples, const Statistic& statistic);
 
 // What one run adds to a mean over the samples of all runs.
@@ -25,7 +25,7 @@ struct RunSum {
   double count = 0.0;
 };
 
-// Sum over count, of runs that weigh as many samples as they have. A drawing without any sample is
+// Sum over count, of runs that weigh as many samples as they have. A resample without any sample is
 // left out; undefined when no run has one.
 Estimate bootstrap_mean(const std::vector<RunSum>& runs);
 

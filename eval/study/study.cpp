@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <fstream>
 #include <set>
-#include <sstream>
 
+#include "datasets/text/number.h"
+#include "datasets/text/text_table.h"
 #include "datasets/text/yaml_map.h"
 #include "eval/configuration/registry.h"
 
@@ -40,8 +39,8 @@ class Reader {
 
   Study read() {
     Study study;
-    study.text = text();
-    YamlMap top(file_, load(study.text), "the file");
+    study.text = read_text_file(file_);
+    YamlMap top = load_yaml(file_, study.text);
     if (const std::string format = top.text("format"); format != "slammot-study-1") {
       top.refuse(top.take("format"), "unknown format '" + format + "' (known: slammot-study-1)");
     }
@@ -67,22 +66,6 @@ class Reader {
   }
 
  private:
-  std::string text() const {
-    std::ifstream in(file_, std::ios::binary);
-    if (!in) throw InputError(file_, 0, "cannot be read");
-    std::ostringstream out;
-    out << in.rdbuf();
-    return std::move(out).str();
-  }
-
-  YAML::Node load(const std::string& text) const {
-    try {
-      return YAML::Load(text);
-    } catch (const YAML::Exception& error) {
-      throw InputError(file_, error.mark.line + 1, error.msg);
-    }
-  }
-
   [[noreturn]] void refuse(const YAML::Node& at, const std::string& reason) const {
     throw InputError(file_, at.Mark().line + 1, reason);
   }
@@ -230,7 +213,7 @@ class Reader {
   std::filesystem::path file_;
 };
 
-// A scenario's parameters are known only to its simulator: a short run of each tells.
+// A scenario's parameters are known only to its simulator, which checks them.
 void try_scenarios(const std::filesystem::path& file, const Study& study) {
   std::set<std::string> tried;
   for (const StudyCell& cell : study.cells) {
@@ -259,9 +242,7 @@ void check_figures(const std::filesystem::path& file, const Study& study) {
   }
   for (const StudyCell& cell : study.cells) {
     const std::string& value = cell.sweep.front().second;
-    double number = 0.0;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-    if (error != std::errc{} || end != value.data() + value.size()) {
+    if (!parse_number<double>(value)) {
       throw InputError(
           file, 0, fmt::format("figure 'classification_against_sweep': '{}' is no number", value));
     }

@@ -14,6 +14,7 @@
 
 #include "datasets/simulation/scenario.h"
 #include "eval/configuration/configuration.h"
+#include "eval/metrics/metric.h"
 
 namespace slammot {
 
@@ -44,6 +45,7 @@ struct Study {
   std::vector<int> tracks;           // landmarks whose velocity is recorded in every frame
   std::vector<std::string> figures;  // what the report draws
   std::optional<ReferenceLabels> reference;
+  MetricTable metrics = metric_table();  // those pooled over the runs
 
   std::uint64_t seed(int run) const { return first_seed + static_cast<std::uint64_t>(run); }
 };

@@ -1,9 +1,8 @@
 #include "eval/study/study_cell.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
+#include "eval/configuration/registry.h"
 #include "eval/statistics/statistics.h"
 #include "eval/study/study_json.h"
 
@@ -36,7 +35,7 @@ void CellSummary::add(const Json& run) {
                          {"reason", diverged.at("reason")}});
   }
   if (!run.contains("frames")) return;  // it never began
-  if (!run.at("lost_at").is_null()) lost_.push_back({{"seed", seed}, {"frame", run["lost_at"]}});
+  if (!run.at("lost_at").is_null()) failed_.push_back({{"seed", seed}, {"frame", run["lost_at"]}});
   frames_.add(run.at("frames"));
   if (run.contains("smoothed_frames")) smoothed_.add(run["smoothed_frames"]);
   stated_sigma_[seed] = root_mean_square(numbers(run["frames"].at("position_sigma_m")));
@@ -47,52 +46,56 @@ void CellSummary::add(const Json& run) {
     for (std::size_t i = 0; i < 3; ++i) counts_[what][i] += run.at(what)[i].get<long>();
   }
   for (const auto& [key, value] : run.at("coverage").items()) coverage_[key] += number(value);
-  for (const char* what : {"nis_mean", "nis_expected", "median_frames_to_decision"}) {
-    add_scalar(what, run.at(what));
-  }
+  add_values(Scope::kRun, run, "");
   if (!diverged.is_null()) return;
   // A batch is judged by what it is for: its filtered trajectory is its front window's.
   const char* judged = run.contains("smoothed_frames") ? "smoothed" : "filtered";
-  position_rmse_[seed] = number(run.at(judged).at("position_rmse_m"));
-  add_accuracy(run);
+  position_rmse_[seed] = number(run.at(judged).at(kPositionRmse));
+  for (const std::string which : {"filtered", "smoothed"}) {
+    add_values(Scope::kTrajectory, run.at(which), which + "_");
+  }
 }
 
 // One that is not defined (no landmark was ever decided) is no sample.
-void CellSummary::add_scalar(const std::string& key, const Json& value) {
-  if (value.is_number()) scalars_[key].push_back(value.get<double>());
-}
-
-void CellSummary::add_accuracy(const Json& run) {
-  for (const std::string which : {"filtered", "smoothed"}) {
-    if (run.at(which).is_null()) continue;
-    for (const auto& [key, value] : run[which].items()) {
-      add_scalar(fmt::format("{}_{}", which, key), value);
-    }
+void CellSummary::add_values(Scope scope, const Json& values, const std::string& prefix) {
+  for (const Metric& metric : metrics_) {
+    const bool pools = metric.pooled == Pooled::kMean || metric.pooled == Pooled::kRootMeanSquare;
+    if (metric.scope != scope || !pools || !values.is_object()) continue;
+    const auto value = values.find(metric.key);
+    if (value == values.end() || !value->is_number()) continue;
+    Scalar& scalar = scalars_[prefix + metric.key];
+    scalar.pooled = metric.pooled;
+    scalar.samples.push_back(value->get<double>());
   }
 }
 
 void CellSummary::add_timing(const Json& timing) {
-  for (const char* what : {"seconds", "frame_median_ms", "frames_per_second", "smoothing_ms"}) {
-    if (timing.contains(what)) timing_[what].push_back(number(timing[what]));
+  timing_["seconds"].push_back(number(timing.at("seconds")));
+  for (const Metric& metric : metrics_) {
+    const bool timed = metric.pooled == Pooled::kMedianTiming && timing.contains(metric.key);
+    if (timed) timing_[metric.key].push_back(number(timing[metric.key]));
   }
   if (!timing.contains("stages_ms")) return;
   for (const auto& [stage, ms] : timing["stages_ms"].items()) stages_[stage] += number(ms);
 }
 
 Json CellSummary::json() const {
+  const EstimatorRow& estimator = find_estimator(cell_.estimator);
   Json json = {{"label", cell_.label},
                {"estimator", cell_.estimator},
+               {"kind", to_string(estimator.kind)},
+               {"oracle", is_oracle(estimator, cell_.configuration)},
                {"runs", runs_},
                {"diverged", diverged_},
-               {"lost", lost_}};
+               {"lost", failed_}};
   json["configuration"] = Json::object();
   for (const auto& [key, value] : key_values(cell_.configuration)) {
     json["configuration"][key] = value;
   }
   if (frames_.empty()) return json;  // no run began
-  for (const auto& [key, samples] : scalars_) {
-    const bool is_rmse = key.find("rmse") != std::string::npos;
-    json[key] = json_of(bootstrap(samples, is_rmse ? root_mean_square : mean));
+  for (const auto& [key, scalar] : scalars_) {
+    const bool squares = scalar.pooled == Pooled::kRootMeanSquare;
+    json[key] = json_of(bootstrap(scalar.samples, squares ? root_mean_square : mean));
   }
   json["anees"] = frames_.anees();
   if (!smoothed_.empty()) json["smoothed_anees"] = smoothed_.anees();

@@ -12,7 +12,7 @@ namespace slammot {
 
 class CellSummary {
  public:
-  explicit CellSummary(const StudyCell& cell) : cell_(cell) {}
+  CellSummary(const StudyCell& cell, const MetricTable& metrics) : cell_(cell), metrics_(metrics) {}
 
   void add(const nlohmann::ordered_json& run);            // a line of results.jsonl
   void add_timing(const nlohmann::ordered_json& timing);  // a line of timing.jsonl
@@ -25,15 +25,19 @@ class CellSummary {
   const std::map<std::uint64_t, double>& pose_nees() const { return pose_nees_; }
 
  private:
-  void add_accuracy(const nlohmann::ordered_json& run);
-  void add_scalar(const std::string& key, const nlohmann::ordered_json& value);
+  struct Scalar {
+    Pooled pooled;
+    std::vector<double> samples;
+  };
+  void add_values(Scope scope, const nlohmann::ordered_json& values, const std::string& prefix);
 
   const StudyCell& cell_;
+  const MetricTable& metrics_;
   int runs_ = 0;
   nlohmann::ordered_json diverged_ = nlohmann::ordered_json::array();
-  nlohmann::ordered_json lost_ = nlohmann::ordered_json::array();
+  nlohmann::ordered_json failed_ = nlohmann::ordered_json::array();
   std::map<std::uint64_t, double> position_rmse_, stated_sigma_, pose_nees_;
-  std::map<std::string, std::vector<double>> scalars_;
+  std::map<std::string, Scalar> scalars_;
   FrameStatistics frames_, smoothed_;
   LandmarkAges ages_;
   RecordedTracks tracks_;

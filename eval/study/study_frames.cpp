@@ -16,7 +16,7 @@ constexpr const char* kSampled[] = {"position_error_m", "rotation_error_deg", "n
                                     "nees_position",    "nees_rotation",      "position_sigma_m"};
 constexpr const char* kLandmarkParts[] = {"landmark_position", "landmark_velocity"};
 
-// A NEES that is not finite belongs to a covariance that is none.
+// A NEES that is not finite belongs to a covariance that is not positive definite.
 double finite_or_infinite(double x) { return std::isnan(x) ? INFINITY : x; }
 
 // The samples of a JSON object of arrays, row by row.
@@ -60,8 +60,8 @@ FrameStatistics::Anees FrameStatistics::camera_part(const std::string& part, int
     anees.value.push_back(mean(samples));
     anees.lower.push_back(interval.lower);
     anees.upper.push_back(interval.upper);
-    anees.inside.push_back(anees.value.back() >= interval.lower &&
-                           anees.value.back() <= interval.upper);
+    anees.covered.push_back(anees.value.back() >= interval.lower &&
+                            anees.value.back() <= interval.upper);
   }
   return anees;
 }
@@ -74,7 +74,7 @@ FrameStatistics::Anees FrameStatistics::landmark_part(const std::string& part) c
     anees.value.push_back(estimate.value);
     anees.lower.push_back(estimate.lower);
     anees.upper.push_back(estimate.upper);
-    anees.inside.push_back(estimate.lower <= kDof && kDof <= estimate.upper);
+    anees.covered.push_back(estimate.lower <= kDof && kDof <= estimate.upper);
   }
   return anees;
 }
@@ -92,18 +92,18 @@ Json FrameStatistics::anees() const {
   Json json = Json::object();
   for (const Anees& part : parts()) {
     std::vector<double> defined;
-    double inside = 0.0;
+    double covered = 0.0;
     int infinite = 0;
     for (std::size_t i = 0; i < part.value.size(); ++i) {
       if (std::isnan(part.value[i])) continue;  // no landmark had a sample in this frame
       defined.push_back(part.value[i]);
       infinite += std::isinf(part.value[i]);
-      inside += part.inside[i];
+      covered += part.covered[i];
     }
     json[part.part] = {{"dof", part.dof},
                        {"mean", mean(defined)},
                        {"largest", maximum(defined)},
-                       {"inside", inside / static_cast<double>(defined.size())},
+                       {"inside", covered / static_cast<double>(defined.size())},
                        {"infinite", infinite}};
   }
   return json;

@@ -2,7 +2,7 @@
 //
 // The NEES of the camera has one sample a run: its mean over N runs is compared with the chi-square
 // interval of N runs. Landmarks of one run share its camera's error: the interval of their mean
-// NEES comes from drawing runs again, lies around that mean, and should hold the number 3.
+// NEES comes from resampling the runs, lies around that mean, and should contain 3.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class FrameStatistics {
   // Arrays over the frames.
   nlohmann::ordered_json per_frame() const;
 
-  // Of each part: mean over the frames, largest of a frame, part of the frames `inside`.
+  // Of each part: mean over the frames, largest of a frame, share of frames `inside` it.
   nlohmann::ordered_json anees() const;
 
  private:
@@ -37,7 +37,7 @@ class FrameStatistics {
     std::string part;
     int dof = 0;
     std::vector<double> value, lower, upper;  // by frame
-    std::vector<bool> inside;
+    std::vector<bool> covered;
   };
 
   std::vector<Anees> parts() const;

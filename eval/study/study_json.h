@@ -19,7 +19,7 @@ inline nlohmann::ordered_json json_of(const Estimate& e) {
 }
 
 // Sum and count of a mean NEES over `count` samples. One that is null over some samples was
-// infinite: a covariance was none.
+// infinite: a covariance was not positive definite.
 inline RunSum run_sum(const nlohmann::ordered_json& mean, const nlohmann::ordered_json& count) {
   const double n = number(count);
   if (n == 0.0) return {};

@@ -5,7 +5,7 @@
 #include <map>
 #include <set>
 
-#include "eval/metrics/metrics.h"
+#include "eval/output/metrics_json.h"
 #include "eval/run/run.h"
 #include "eval/statistics/bootstrap.h"
 #include "eval/statistics/statistics.h"
@@ -13,24 +13,22 @@
 namespace slammot {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-// Lost: further from the truth than this part of the path so far, and than a metre.
-constexpr double kLostFraction = 0.1;
+// Failed: further from the truth than this part of the path so far, and than a metre.
+constexpr double kFailedFraction = 0.1;
 
 Json counts(const ClassCounts& c) { return {c.right, c.wrong, c.undecided}; }
 
-// Right, wrong and undecided of the landmarks of this class that were measured often enough for a
-// decision to be fair.
-Json counts_of_often_seen(const RunResult& run, Label truth) {
-  constexpr int kOften = 10;  // measurements
+// Right, wrong and undecided of the landmarks of this class that were measured at least ten times,
+// often enough for a decision to be fair.
+Json counts_observed_ten_times(const RunResult& run, Label truth) {
+  constexpr int kFewest = 10;  // measurements
   std::map<int, int> observations;
   for (const LandmarkRecord& l : run.landmarks) {
     observations[l.estimate.track] = l.estimate.observations;
   }
   ClassCounts c;
   for (const ClassificationRecord& r : run.classification) {
-    if (r.truth == truth && observations[r.track] >= kOften) c.add(r.label, truth);
+    if (r.truth == truth && observations[r.track] >= kFewest) c.add(r.label, truth);
   }
   return counts(c);
 }
@@ -45,22 +43,18 @@ Json counts_by_frame(const std::vector<LandmarkSample>& samples, Label motion) {
   return counts(c);
 }
 
-Json accuracy_json(const TrajectoryMetrics& metrics) {
-  if (!metrics.accuracy.value) return nullptr;
-  const Accuracy& a = *metrics.accuracy.value;
-  return {{"position_rmse_m", a.position_rmse},
-          {"rotation_rmse_deg", a.rotation_rmse_deg},
-          {"position_final_m", a.position_final},
-          {"sim3_scale", a.scale},
-          {"ate_sim3_m", a.ate_sim3}};
+bool depends_on_the_seed(const Metric& m) {
+  return m.pooled == Pooled::kMean || m.pooled == Pooled::kRootMeanSquare;
 }
 
-// First frame at which the estimate is lost; null if none.
-Json lost_at(const std::vector<PosePair>& pairs) {
+bool depends_on_the_clock(const Metric& m) { return m.pooled == Pooled::kMedianTiming; }
+
+// First frame at which the estimate has failed; null if none.
+Json failed_at(const std::vector<PosePair>& pairs) {
   double path = 0.0;
   for (std::size_t i = 1; i < pairs.size(); ++i) {
     path += (pairs[i].truth.position - pairs[i - 1].truth.position).norm();
-    if (position_error(pairs[i]) > std::max(1.0, kLostFraction * path)) return pairs[i].frame;
+    if (position_error(pairs[i]) > std::max(1.0, kFailedFraction * path)) return pairs[i].frame;
   }
   return nullptr;
 }
@@ -70,25 +64,24 @@ Json lost_at(const std::vector<PosePair>& pairs) {
 Json frames_json(const std::vector<PosePair>& pairs) {
   Json json;
   std::vector<int> frame;
-  std::vector<double> position, rotation, pose_nees, position_nees, rotation_nees, position_sigma;
+  std::vector<double> position, rotation, nees_pose, nees_position, nees_rotation, position_sigma;
   for (std::size_t i = 1; i < pairs.size(); ++i) {
     const PosePair& p = pairs[i];
-    const Vector12d e = boxminus(p.truth, p.estimate.state);
-    const Matrix12d& P = p.estimate.covariance;
+    const PoseNees nees = pose_nees(p);
     frame.push_back(p.frame);
     position.push_back(position_error(p));
     rotation.push_back(rotation_error_deg(p));
-    pose_nees.push_back(nees(e.head<6>(), P.topLeftCorner<6, 6>()));
-    position_nees.push_back(nees(e.head<3>(), P.topLeftCorner<3, 3>()));
-    rotation_nees.push_back(nees(e.segment<3>(kRotation), P.block<3, 3>(kRotation, kRotation)));
-    position_sigma.push_back(std::sqrt(P.topLeftCorner<3, 3>().trace()));
+    nees_pose.push_back(nees.pose);
+    nees_position.push_back(nees.position);
+    nees_rotation.push_back(nees.rotation);
+    position_sigma.push_back(std::sqrt(p.estimate.covariance.topLeftCorner<3, 3>().trace()));
   }
   json["frame"] = frame;
   json["position_error_m"] = position;
   json["rotation_error_deg"] = rotation;
-  json["nees_pose"] = pose_nees;
-  json["nees_position"] = position_nees;
-  json["nees_rotation"] = rotation_nees;
+  json["nees_pose"] = nees_pose;
+  json["nees_position"] = nees_position;
+  json["nees_rotation"] = nees_rotation;
   json["position_sigma_m"] = position_sigma;
   return json;
 }
@@ -203,25 +196,17 @@ Json result_json(const Study& study, const Sequence& sequence, const RunResult& 
                  const RunMetrics& metrics) {
   const std::vector<PosePair> pairs = pair_with_truth(sequence, run.filtered);
   Json json;
-  json["diverged"] = Json();
-  if (run.diverged)
-    json["diverged"] = {{"frame", run.diverged->frame}, {"reason", run.diverged->reason}};
-  json["lost_at"] = lost_at(pairs);
-  json["filtered"] = accuracy_json(metrics.filtered);
-  json["smoothed"] = metrics.smoothed ? accuracy_json(*metrics.smoothed) : Json();
-  json["nis_mean"] = metrics.nis.mean;
-  json["nis_expected"] = metrics.nis.expected;
+  json["diverged"] = json_of(run.diverged);
+  json["lost_at"] = failed_at(pairs);
+  json["filtered"] = values_json(metrics.filtered.values, depends_on_the_seed);
+  json["smoothed"] =
+      metrics.smoothed ? values_json(metrics.smoothed->values, depends_on_the_seed) : Json();
+  json.update(values_json(metrics.values, depends_on_the_seed));
   json["static"] = counts(metrics.classification.statics);
   json["moving"] = counts(metrics.classification.movings);
-  json["static_often_seen"] = counts_of_often_seen(run, Label::kStatic);
-  json["moving_often_seen"] = counts_of_often_seen(run, Label::kMoving);
-  json["median_frames_to_decision"] = metrics.classification.median_frames_to_decision;
-  const Coverage& c = metrics.coverage;
-  json["coverage"] = {
-      {"frames", c.frames_done}, {"offered", c.offered},         {"accepted", c.accepted},
-      {"rejected", c.rejected},  {"out_of_view", c.out_of_view}, {"admitted", c.admitted},
-      {"lost", c.lost}};
-  json["state_size_max"] = metrics.runtime.state_size_max;
+  json["static_often_seen"] = counts_observed_ten_times(run, Label::kStatic);
+  json["moving_often_seen"] = counts_observed_ten_times(run, Label::kMoving);
+  json["coverage"] = json_of(metrics.measurements);
   const std::vector<LandmarkSample> samples = estimated_samples(sequence, run);
   json["standing_by_frame"] = counts_by_frame(samples, Label::kStatic);
   json["moving_by_frame"] = counts_by_frame(samples, Label::kMoving);
@@ -238,10 +223,9 @@ Json result_json(const Study& study, const Sequence& sequence, const RunResult& 
 Json timing_json(const RunMetrics& metrics) {
   Json stages = Json::object();
   for (const StageCost& s : metrics.runtime.stages) stages[s.stage] = s.total_ms;
-  return {{"frame_median_ms", metrics.runtime.frame_median_ms},
-          {"frames_per_second", metrics.runtime.frames_per_second},
-          {"smoothing_ms", metrics.runtime.smoothing_ms},
-          {"stages_ms", stages}};
+  Json json = values_json(metrics.values, depends_on_the_clock);
+  json["stages_ms"] = stages;
+  return json;
 }
 
 }  // namespace
@@ -256,13 +240,12 @@ StudyRun run_study_cell(const Study& study, int cell, int run) {
     const Sequence sequence =
         select_frames(simulate(c.scenario, c.scene, study.seed(run)), c.configuration.frames.first,
                       c.configuration.frames.last, c.configuration.frames.step);
-    const Configuration effective = effective_configuration(sequence, c.configuration, c.estimator);
     DriveOptions options;
     options.landmarks_every_frame = !study.tracks.empty();
-    const RunResult result = run_estimator(sequence, c.configuration, c.estimator, options);
-    const RunMetrics metrics = compute_metrics(sequence, result, effective.model.gate_probability);
-    made.result.update(result_json(study, sequence, result, metrics));
-    made.timing.update(timing_json(metrics));
+    const EvaluatedRun done =
+        run_and_evaluate(sequence, c.configuration, c.estimator, options, study.metrics);
+    made.result.update(result_json(study, sequence, done.run, done.metrics));
+    made.timing.update(timing_json(done.metrics));
   } catch (const std::bad_alloc&) {
     throw;  // of this machine, not of the estimator
   } catch (const std::exception& error) {

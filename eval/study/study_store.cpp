@@ -9,7 +9,8 @@
 #include <fstream>
 #include <functional>
 #include <map>
-#include <sstream>
+
+#include "datasets/text/text_table.h"
 
 namespace slammot {
 namespace {
@@ -90,15 +91,8 @@ void replace(const fs::path& file, const std::function<void(std::ostream&)>& wri
   fs::rename(unfinished, file);
 }
 
-std::string read_text(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream out;
-  out << in.rdbuf();
-  return std::move(out).str();
-}
-
 bool is_of(const Study& study, const fs::path& folder) {
-  return read_text(folder / "study.yaml") == study.text;
+  return fs::exists(folder / "study.yaml") && read_text_file(folder / "study.yaml") == study.text;
 }
 
 }  // namespace

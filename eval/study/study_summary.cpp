@@ -3,17 +3,14 @@
 #include <cmath>
 #include <fstream>
 
+#include "eval/configuration/registry.h"
+#include "eval/output/metrics_json.h"
 #include "eval/statistics/statistics.h"
 #include "eval/study/study_cell.h"
 #include "eval/study/study_json.h"
 
 namespace slammot {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-// The estimator that only gives the Cramer-Rao bound of its group, and takes part in no comparison.
-constexpr std::string_view kBound = "bound";
 
 // The lines of a file that belong to one cell after another: both files are sorted by cell.
 class CellLines {
@@ -42,15 +39,18 @@ class CellLines {
 // What is kept of a cell while its group is summarised.
 struct Finished {
   Json json;
+  EstimatorKind kind;
   std::map<std::uint64_t, double> position_rmse, stated_sigma, pose_nees;  // by seed
 };
 
-Finished summarise_cell(const StudyCell& cell, std::size_t index, CellLines& results,
+Finished summarise_cell(const Study& study, std::size_t index, CellLines& results,
                         CellLines& timing) {
-  CellSummary summary(cell);
+  const StudyCell& cell = study.cells[index];
+  CellSummary summary(cell, study.metrics);
   results.visit(index, [&](const Json& run) { summary.add(run); });
   timing.visit(index, [&](const Json& run) { summary.add_timing(run); });
-  return {summary.json(), summary.position_rmse(), summary.stated_sigma(), summary.pose_nees()};
+  return {summary.json(), find_estimator(cell.estimator).kind, summary.position_rmse(),
+          summary.stated_sigma(), summary.pose_nees()};
 }
 
 // Position RMSE of a - b by seed, where both finished; a diverged run loses.
@@ -75,8 +75,8 @@ Json pair_json(const Finished& a, const Finished& b) {
 
 double median_of(const std::vector<double>& samples) { return median(samples); }
 
-// The RMSE of each run over what the bound states for its seed. A few lost runs can make the RMSE
-// of all, the median tells of a usual one.
+// The RMSE of each run over the standard deviation of the bound for its seed. A few failed runs can
+// dominate the RMSE of all runs; the median describes a typical one.
 Json over_bound(const Finished& cell, const Finished& bound) {
   std::vector<double> ratios, errors, bounds;
   Json runs = Json::array();
@@ -96,7 +96,8 @@ Json over_bound(const Finished& cell, const Finished& bound) {
           {"median", json_of(bootstrap(ratios, median_of))}};
 }
 
-bool is_bound(const Finished& cell) { return cell.json.at("estimator") == kBound; }
+// A bound takes part in no comparison.
+bool is_bound(const Finished& cell) { return cell.kind == EstimatorKind::kBound; }
 
 void add_bound(std::vector<Finished>& cells) {
   for (const Finished& bound : cells) {
@@ -135,6 +136,7 @@ Json heading(const Study& study) {
                {"runs", study.runs},
                {"first_seed", study.first_seed},
                {"figures", study.figures},
+               {"metrics", metric_table_json(study.metrics)},
                {"groups", Json::array()}};
   if (study.reference) {
     json["reference"] = {{"label", study.reference->label},
@@ -153,7 +155,7 @@ Json summarise_study(const Study& study, const std::filesystem::path& folder) {
     const StudyCell& first = study.cells[i];
     std::vector<Finished> cells;
     for (; i < study.cells.size() && study.cells[i].group == first.group; ++i) {
-      cells.push_back(summarise_cell(study.cells[i], i, results, timing));
+      cells.push_back(summarise_cell(study, i, results, timing));
     }
     json["groups"].push_back(group_json(first, std::move(cells)));
   }

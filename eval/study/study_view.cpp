@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "eval/configuration/registry.h"
 #include "eval/run/run.h"
 #include "eval/statistics/chi_square.h"
 
@@ -78,8 +79,9 @@ Json study_view(const Study& study) {
   for (const StudyCell& cell : study.cells) {
     const bool enough = static_cast<int>(json["runs"].size()) == kViewRuns;
     if (enough || cell.group != study.cells.front().group) break;
-    if (cell.estimator == "batch" || cell.estimator == "bound")
-      continue;  // no belief per frame, no labels
+    const EstimatorKind kind = find_estimator(cell.estimator).kind;
+    const bool by_frame = kind == EstimatorKind::kFilter || kind == EstimatorKind::kSmoother;
+    if (!by_frame) continue;  // a batch has no estimate per frame, a bound no labels
     json["runs"].push_back(run_json(study, cell));
   }
   return json;

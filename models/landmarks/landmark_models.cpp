@@ -1,8 +1,8 @@
 #include "models/landmarks/landmark_models.h"
 
 #include <array>
-#include <stdexcept>
 
+#include "models/find_row.h"
 #include "models/landmarks/all_models.h"
 
 namespace slammot {
@@ -29,10 +29,7 @@ constexpr auto kTable = rows(static_cast<const LandmarkModels*>(nullptr));
 std::span<const LandmarkFunctions> landmark_table() { return kTable; }
 
 const LandmarkFunctions& find_landmark(const std::string& name) {
-  for (const LandmarkFunctions& functions : landmark_table()) {
-    if (functions.name == name) return functions;
-  }
-  throw std::invalid_argument("unknown landmark model '" + name + "'");
+  return find_row(landmark_table(), name, "landmark model");
 }
 
 }  // namespace slammot

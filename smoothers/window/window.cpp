@@ -3,23 +3,21 @@
 #include "estimation/frame_loop.h"
 #include "models/initialisation.h"
 #include "smoothers/factors/factors.h"
-#include "smoothers/factors/robust_loss.h"
+#include "smoothers/window/robust_loss.h"
 #include "smoothers/window/window_belief.h"
 
 namespace slammot {
 namespace {
 
 // Whether Jacobians are taken at fixed points.
-bool first_estimates(const std::string& linearisation) {
-  if (linearisation == "fej" || linearisation == "ideal") return true;
-  if (linearisation == "standard") return false;
-  throw std::invalid_argument("unknown linearisation '" + linearisation + "' of the window");
+bool first_estimates(WindowLinearisation linearisation) {
+  return linearisation != WindowLinearisation::kStandard;
 }
 
 }  // namespace
 
 std::shared_ptr<const Truth> truth_of(const Setup& setup, const WindowOptions& options) {
-  if (options.linearisation != "ideal") return nullptr;
+  if (options.linearisation != WindowLinearisation::kIdeal) return nullptr;
   if (!setup.truth) {
     throw std::invalid_argument("linearisation ideal needs the exact truth of a simulation");
   }
@@ -30,7 +28,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
                TrackHistories* histories)
     : setup_(setup),
       options_(options),
-      condition_(models.collapse == "condition"),
+      condition_(models.collapse == Collapse::kCondition),
       functions_(find_landmark(models.landmark)),
       loss_(make_loss(options.loss)),
       graph_(first_estimates(options.linearisation)),
@@ -93,7 +91,7 @@ void Window::innovations(std::span<const Observation> measured,
 void Window::update(const TrackRecords& /*records*/, std::span<const Observation> accepted) {
   add_measurements(accepted);
   refresh_noises();
-  optimum_ = optimise(graph_, options_.iterations, options_.negligible);
+  optimum_ = optimise(graph_, options_.iterations, options_.cost_tolerance);
   estimate_camera();
 }
 

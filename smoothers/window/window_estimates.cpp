@@ -34,9 +34,9 @@ Eigen::MatrixXd Window::before_last_step(const Factor& factor) const {
 // Cameras as they left the window, without covariances, which belong to that moment and are not
 // kept; then those still in it, converged, with theirs.
 std::vector<CameraEstimate> Window::smoothed() {
-  optimise(graph_, options_.iterations, options_.negligible);
+  optimise(graph_, options_.iterations, options_.cost_tolerance);
   for (int i = 0; i < kMaxRefreshes && refresh_noises() > kNegligibleNoise; ++i) {
-    optimise(graph_, options_.iterations, options_.negligible);
+    optimise(graph_, options_.iterations, options_.cost_tolerance);
   }
   graph_.linearise();
   std::vector<std::vector<VariableId>> sets;

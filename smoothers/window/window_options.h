@@ -1,17 +1,19 @@
 // What is particular to the sliding window.
 #pragma once
 
-#include <string>
-
 namespace slammot {
 
+// Jacobians at the estimate | at first estimates, once a prior holds them | at the truth.
+enum class WindowLinearisation { kStandard, kFej, kIdeal };
+
+enum class Loss { kNone, kHuber };  // on the normalised measurement residual
+
 struct WindowOptions {
-  int frames = 20;           // camera states kept; older ones are marginalised
-  int iterations = 20;       // Gauss-Newton steps a frame at most; 1 and one frame make it the EKF
-  double negligible = 1e-2;  // a step that promises to lower chi-square by less is the last one
-  std::string linearisation = "standard";  // standard | fej: first estimates, once a prior
-                                           // holds them | ideal: at the truth
-  std::string loss = "none";               // none | huber, on the normalised measurement residual
+  int frames = 20;      // camera states kept; older ones are marginalised
+  int iterations = 20;  // Gauss-Newton steps a frame at most; 1 and one frame make it the EKF
+  double cost_tolerance = 1e-2;  // a step predicted to lower chi-square by less is the last one
+  WindowLinearisation linearisation = WindowLinearisation::kStandard;
+  Loss loss = Loss::kNone;
 };
 
 }  // namespace slammot

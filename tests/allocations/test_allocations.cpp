@@ -58,9 +58,9 @@ Frame wall_frame(const Setup& setup, int index) {
 TEST(Ekf, AllocatesNothingOnceItHasWarmedUp) {
   prepare_process();  // more BLAS threads would have buffers of their own
   const auto setup = wall_setup();
-  for (const char* labels : {"one_way", "reversible"}) {
+  for (const LabelRule rule : {LabelRule::kOneWay, LabelRule::kReversible}) {
     ModelOptions models;
-    models.labels.name = labels;
+    models.labels.rule = rule;
     models.classifier.name = "truth";
     const auto ekf = make_ekf(setup, models, {});
     NoStages stages;
@@ -82,7 +82,7 @@ TEST(Ekf, AllocatesNothingOnceItHasWarmedUp) {
     }
     EXPECT_GT(first, 40) << "the counter does not count";
     EXPECT_GT(counted, 10);
-    EXPECT_EQ(warm, 0) << labels;
+    EXPECT_EQ(warm, 0) << "rule " << static_cast<int>(rule);
   }
 }
 

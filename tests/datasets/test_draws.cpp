@@ -65,7 +65,7 @@ void expect_normal(const std::vector<double>& values, double mu, double sigma) {
 TEST(Matched, DrawsFromTheModels) {
   Draws draws;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const Sequence s = simulate("matched", {}, seed);
+    const Sequence s = simulate("model_matched", {}, seed);
     ASSERT_EQ(s.frames.size(), 150u);
     for (const Frame& frame : s.frames) EXPECT_EQ(frame.observations.size(), 30u);
     add_draws(s, draws);

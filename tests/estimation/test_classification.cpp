@@ -31,12 +31,14 @@ TEST(Thesis, StaticWhenTheDensityAtRestExceedsItsThreshold) {
   EXPECT_EQ(decide("thesis", belief({0, 0, 0}, 0.999 * limit)), Label::kStatic);
   EXPECT_EQ(decide("thesis", belief({0, 0, 0}, 1.001 * limit)), Label::kUnknown);
   // Off rest the density falls by exp(-C_m^2 / 2).
-  EXPECT_NEAR(density_at_zero({0.2, 0, 0}, 0.01 * Eigen::Matrix3d::Identity()),
+  EXPECT_NEAR(density_at_zero(Eigen::Vector3d(0.2, 0, 0), 0.01 * Eigen::Matrix3d::Identity()),
               std::exp(-2.0) / (std::pow(2.0 * M_PI, 1.5) * 1e-3), 1e-9);
 }
 
 TEST(Thesis, MovingWhenRestIsFurtherThanItsThreshold) {
-  EXPECT_NEAR(mahalanobis_from_zero({0.3, 0, 0.4}, 0.01 * Eigen::Matrix3d::Identity()), 5.0, 1e-12);
+  EXPECT_NEAR(
+      mahalanobis_from_zero(Eigen::Vector3d(0.3, 0, 0.4), 0.01 * Eigen::Matrix3d::Identity()), 5.0,
+      1e-12);
   EXPECT_EQ(decide("thesis", belief({3.58, 0, 0}, 1.0)), Label::kUnknown);
   EXPECT_EQ(decide("thesis", belief({3.59, 0, 0}, 1.0)), Label::kMoving);
 }
@@ -89,7 +91,7 @@ TEST(Truth, IsKnownFromBirthAndOtherwiseUnknown) {
 TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
   const TrackPolicy policy;
   TrackRecord moving = initialised(1, 0, Label::kUnknown, false, {});
-  moving.unused_frames = policy.lost_after;
+  moving.unused_frames = policy.prune_after;
   EXPECT_FALSE(is_pruned(moving, policy));
   ++moving.unused_frames;
   EXPECT_TRUE(is_pruned(moving, policy));
@@ -97,16 +99,16 @@ TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
   fixed.unused_frames = 10000;
   EXPECT_FALSE(is_pruned(fixed, policy));  // it stays in the map
   TrackPolicy window = policy;
-  window.retain = "window";
+  window.retain = Retain::kWindow;
   EXPECT_TRUE(is_pruned(fixed, window));
-  for (int i = 0; i < policy.missed_after; ++i) note_unused(fixed, true);
+  for (int i = 0; i < policy.prune_missed_after; ++i) note_unused(fixed, true);
   note_unused(fixed, false);
   EXPECT_FALSE(is_pruned(fixed, policy));
   note_unused(fixed, true);
   EXPECT_TRUE(is_pruned(fixed, policy));
   note_accepted(fixed, 9);
   EXPECT_FALSE(is_pruned(fixed, policy));
-  for (int i = 0; i <= policy.lost_after; ++i) note_rejected(fixed);
+  for (int i = 0; i <= policy.prune_after; ++i) note_rejected(fixed);
   EXPECT_TRUE(is_pruned(fixed, policy));
 }
 

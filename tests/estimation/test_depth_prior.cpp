@@ -94,10 +94,9 @@ TEST(DepthPrior, BesideASharedMeanAWrongGuessIsNoSpread) {
 
 TEST(DepthPrior, Sources) {
   for (const bool some_are_known : {false, true}) {
-    EXPECT_FALSE(learns_depths("stated", some_are_known));
-    EXPECT_TRUE(learns_depths("map", some_are_known));
-    EXPECT_EQ(learns_depths("auto", some_are_known), some_are_known);
-    EXPECT_THROW(learns_depths("guess", some_are_known), std::invalid_argument);
+    EXPECT_FALSE(learns_depths(DepthPriorSource::kFixed, some_are_known));
+    EXPECT_TRUE(learns_depths(DepthPriorSource::kEmpirical, some_are_known));
+    EXPECT_EQ(learns_depths(DepthPriorSource::kAuto, some_are_known), some_are_known);
     EXPECT_EQ(DepthPrior(some_are_known, statement(0.2, 0.1)).of_new().inverse_depth, 0.2);
   }
 }

@@ -210,7 +210,7 @@ TEST_F(FrameLoopOf, RevertsAStaticLabelThatTheOtherMeasurementsReject) {
   EXPECT_TRUE(belief_->state.at(1).is_free);
 
   ModelOptions one_way;
-  one_way.labels.name = "one_way";
+  one_way.labels.rule = LabelRule::kOneWay;
   start(one_way);
   index_ = 0;
   frame({1});
@@ -222,7 +222,7 @@ TEST_F(FrameLoopOf, RevertsAStaticLabelThatTheOtherMeasurementsReject) {
 
 TEST_F(FrameLoopOf, PrunesWhatIsNotMeasuredAndStartsItsTrackAnew) {
   ModelOptions models;
-  models.policy.lost_after = 2;
+  models.policy.prune_after = 2;
   start(models);
   frame({});
   frame({1});
@@ -238,7 +238,7 @@ TEST_F(FrameLoopOf, PrunesWhatIsNotMeasuredAndStartsItsTrackAnew) {
 
 TEST_F(FrameLoopOf, PrunesAStaticLandmarkThatShouldBeInViewAndIsNot) {
   ModelOptions models;
-  models.policy.missed_after = 3;
+  models.policy.prune_missed_after = 3;
   start(models);
   frame({1, 2});
   belief_->state.at(2).in_view = true;
@@ -261,7 +261,7 @@ TEST_F(FrameLoopOf, AdmitsWhatThereIsRoomFor) {
 
 TEST_F(FrameLoopOf, LearnsTheDepthPriorFromStaticLandmarks) {
   ModelOptions models;
-  models.depth_prior = "map";
+  models.depth_prior = DepthPriorSource::kEmpirical;
   start(models);
   frame({1, 2, 3, 4});
   EXPECT_EQ(belief_->newest_prior.inverse_depth, setup_.prior.inverse_depth);

@@ -8,12 +8,12 @@
 namespace slammot {
 namespace {
 
-LabelOptions named(const char* name) {
+LabelOptions with_rule(LabelRule rule) {
   LabelOptions options;
-  options.name = name;
+  options.rule = rule;
   return options;
 }
-LabelOptions reversible() { return named("reversible"); }
+LabelOptions reversible() { return with_rule(LabelRule::kReversible); }
 
 TEST(ChiSquareTail, IsThatOfTheTables) {
   EXPECT_NEAR(chi_square_tail(5.991464547107979, 1), 0.05, 1e-12);   // 2 degrees of freedom
@@ -45,7 +45,7 @@ TEST(Reversible, RightLabelsStayAndWrongOnesGo) {
   EXPECT_LE(taken_back(1.0, 10000, 20, reversible()), 10000 * 20 * 1e-4);
   EXPECT_GE(taken_back(1.0, 10000, 20, reversible()), 1);
   EXPECT_GE(taken_back(5.0, 1000, 10, reversible()), 950);
-  EXPECT_EQ(taken_back(100.0, 1000, 20, named("one_way")), 0);
+  EXPECT_EQ(taken_back(100.0, 1000, 20, with_rule(LabelRule::kOneWay)), 0);
 }
 
 TEST(Reversible, OnlyTheLatestInnovationsCount) {
@@ -69,7 +69,7 @@ TEST(Reversible, WhatIsKnownBeforehandStays) {
 
 TEST(Reversible, AMovingLandmarkMayStop) {
   TrackRecord record = initialised(1, 0, Label::kMoving, false, {});
-  EXPECT_FALSE(is_asked(record, named("one_way")));
+  EXPECT_FALSE(is_asked(record, with_rule(LabelRule::kOneWay)));
   EXPECT_TRUE(is_asked(record, reversible()));
   note_answer(record, Label::kUnknown, 3);
   EXPECT_EQ(record.label, Label::kMoving);

@@ -65,10 +65,10 @@ RunResult run_ideal(const Sequence& sequence, const Misstatement& misstate, doub
   Configuration configuration;
   configuration.model.landmark = "dynamic_inverse_depth";
   configuration.model.classifier.name = "truth";
-  configuration.model.labels.name = "one_way";
-  configuration.model.depth_prior = "stated";
+  configuration.model.labels.rule = LabelRule::kOneWay;
+  configuration.model.depth_prior = DepthPriorSource::kFixed;
   configuration.model.gate_probability = 1.0;  // rejects nothing, and so selects nothing
-  configuration.ekf.linearisation = "ideal";
+  configuration.ekf.linearisation = FilterLinearisation::kIdeal;
   Setup setup = make_setup(sequence, configuration);
   misstate(setup, factor);
   return drive(sequence, *find_estimator("ekf").make(setup, configuration));
@@ -121,7 +121,7 @@ Interval student_interval(const std::vector<double>& samples) {
 std::array<Interval, kStatistics> intervals(const Misstatement& misstate, double factor) {
   std::array<std::vector<double>, kStatistics> samples;
   for (unsigned seed = 1; seed <= kRuns; ++seed) {
-    const Sequence sequence = simulate("matched", kScene, seed);
+    const Sequence sequence = simulate("model_matched", kScene, seed);
     const RunMeans means = means_of(sequence, run_ideal(sequence, misstate, factor));
     for (std::size_t i = 0; i < kStatistics; ++i) samples[i].push_back(means[i]);
   }

@@ -28,7 +28,7 @@ TEST_P(WrongGuess, TheMapCorrectsIt) {
     }
     return std::sqrt(squares / static_cast<double>(run.filtered.size()));
   };
-  const double stated = position_error("stated"), map = position_error("map");
+  const double stated = position_error("fixed"), map = position_error("empirical");
   std::printf("position off by: stated %.3f m, map %.3f m\n", stated, map);
   EXPECT_LT(map, 0.5 * stated);
 }

@@ -18,7 +18,7 @@ struct Case {
   std::string landmark, collapse, classifier;
   double mean_sigma = 0.0;
   std::string labels = "one_way";
-  std::string depth_prior = "stated";
+  std::string depth_prior = "fixed";
   double inverse_depth_sigma = 0.0;  // above 0: instead of the sequence's
 };
 
@@ -40,6 +40,10 @@ void expect_same(const FrameReport& a, const FrameReport& b) {
   }
 }
 
+DepthPriorSource source_of(const std::string& name) {
+  return name == "fixed" ? DepthPriorSource::kFixed : DepthPriorSource::kEmpirical;
+}
+
 class OneFrameOf : public testing::TestWithParam<Case> {};
 
 TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
@@ -47,19 +51,19 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
   const Sequence sequence = simulate("circle", {{"frames", "120"}, {"first_moving", "3"}}, 3);
   slammot::Setup setup = make_setup(sequence, Configuration{});
   ModelOptions models;
-  models.labels.name = GetParam().labels;
+  models.labels.rule = GetParam().labels == "one_way" ? LabelRule::kOneWay : LabelRule::kReversible;
   setup.prior.mean_sigma = GetParam().mean_sigma;
   if (GetParam().inverse_depth_sigma > 0.0) {
     setup.prior.inverse_depth_sigma = GetParam().inverse_depth_sigma;
   }
-  models.depth_prior = GetParam().depth_prior;
+  models.depth_prior = source_of(GetParam().depth_prior);
   models.landmark = GetParam().landmark;
-  models.collapse = GetParam().collapse;
+  models.collapse = GetParam().collapse == "drop" ? Collapse::kDrop : Collapse::kCondition;
   models.classifier.name = GetParam().classifier;
   WindowOptions one;
   one.frames = 1;
   one.iterations = 1;
-  one.linearisation = "standard";
+  one.linearisation = WindowLinearisation::kStandard;
   const auto ekf = make_ekf(setup, models, {});
   const auto window = make_window(setup, models, one);
   NoStages stages;
@@ -116,17 +120,17 @@ std::vector<Case> cases() {
       {"dynamic_inverse_depth", "condition", "thesis"},
       {"scaled_velocity", "drop", "bayes_factor", 0.02},
       {"scaled_velocity", "condition", "bayes_factor"},
-      {"scaled_velocity", "drop", "thesis", 0.02, "one_way", "map"},
-      {"scaled_velocity", "condition", "thesis", 0.04, "reversible", "map"},
-      {"scaled_velocity", "condition", "thesis", 0.0, "reversible", "stated", 0.3}};
+      {"scaled_velocity", "drop", "thesis", 0.02, "one_way", "empirical"},
+      {"scaled_velocity", "condition", "thesis", 0.04, "reversible", "empirical"},
+      {"scaled_velocity", "condition", "thesis", 0.0, "reversible", "fixed", 0.3}};
   for (const LandmarkFunctions& landmark : landmark_table()) {
     if (!landmark.can_move) continue;
     const std::string name(landmark.name);
     all.push_back({name, "drop", "thesis"});
     all.push_back({name, "drop", "thesis", 0.0, "reversible"});
-    all.push_back({name, "drop", "thesis", 0.0, "one_way", "map"});
+    all.push_back({name, "drop", "thesis", 0.0, "one_way", "empirical"});
     all.push_back({name, "condition", "bayes_factor", 0.0, "reversible"});
-    all.push_back({name, "condition", "bayes_factor", 0.0, "reversible", "map"});
+    all.push_back({name, "condition", "bayes_factor", 0.0, "reversible", "empirical"});
   }
   return all;
 }
@@ -142,11 +146,12 @@ INSTANTIATE_TEST_SUITE_P(Models, OneFrameOf, testing::ValuesIn(cases()), [](cons
 TEST(OneFrame, AtTheTruthIsTheIdealEkf) {
   const Sequence sequence = simulate("circle", {{"frames", "120"}}, 3);
   Configuration configuration;
-  configuration.ekf.linearisation = configuration.window.linearisation = "ideal";
+  configuration.ekf.linearisation = FilterLinearisation::kIdeal;
+  configuration.window.linearisation = WindowLinearisation::kIdeal;
   configuration.window.frames = configuration.window.iterations = 1;
   configuration.model.gate_probability = 0.999999;
   configuration.model.classifier.name = "truth";
-  configuration.model.labels.name = "one_way";
+  configuration.model.labels.rule = LabelRule::kOneWay;
   const slammot::Setup setup = make_setup(sequence, configuration);
   const auto ekf = make_ekf(setup, configuration.model, configuration.ekf);
   const auto window = make_window(setup, configuration.model, configuration.window);
@@ -179,8 +184,8 @@ TEST(ManySteps, MakeItTheIteratedEkf) {
   WindowOptions one;
   one.frames = 1;
   one.iterations = 30;
-  one.negligible = 1e-24;
-  one.linearisation = "standard";
+  one.cost_tolerance = 1e-24;
+  one.linearisation = WindowLinearisation::kStandard;
   const auto ekf = make_ekf(setup, models, iterated);
   const auto window = make_window(setup, models, one);
   NoStages stages;
@@ -198,19 +203,19 @@ TEST(ManySteps, MakeItTheIteratedEkf) {
 }
 
 class WholeSequence : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(DepthPrior, WholeSequence, testing::Values("stated", "map"));
+INSTANTIATE_TEST_SUITE_P(DepthPrior, WholeSequence, testing::Values("fixed", "empirical"));
 
 TEST_P(WholeSequence, WindowIsTheBatch) {
   const Sequence sequence = simulate("circle", {{"frames", "20"}}, 2);
   const slammot::Setup setup = make_setup(sequence, Configuration{});
   ModelOptions models;
   models.classifier.name = "truth";
-  models.depth_prior = GetParam();
+  models.depth_prior = source_of(GetParam());
   WindowOptions whole;
   whole.frames = 1000;
   whole.iterations = 40;
-  whole.negligible = 1e-20;
-  whole.linearisation = "standard";
+  whole.cost_tolerance = 1e-20;
+  whole.linearisation = WindowLinearisation::kStandard;
   const auto window = make_window(setup, models, whole);
   const auto batch = make_batch(setup, models, whole);
   NoStages stages;

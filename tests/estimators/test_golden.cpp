@@ -64,12 +64,12 @@ TEST_P(Golden, FiguresFromBeforeTheWorkOnSpeedStay) {
   ASSERT_FALSE(golden.empty());
   Configuration configuration;
   configuration.model.landmark = landmark;
-  configuration.model.labels.name = "one_way";
-  configuration.model.collapse = "drop";
-  configuration.model.depth_prior = "stated";
+  configuration.model.labels.rule = LabelRule::kOneWay;
+  configuration.model.collapse = Collapse::kDrop;
+  configuration.model.depth_prior = DepthPriorSource::kFixed;
   configuration.window.frames = 10;
   configuration.window.iterations = 5;
-  configuration.window.negligible = 1e-4;
+  configuration.window.cost_tolerance = 1e-4;
   const Sequence sequence = select_frames(simulate("circle", {}, 1), 0, golden.back().frame, 1);
   const RunResult run = run_estimator(sequence, configuration, estimator);
   ASSERT_EQ(run.filtered.size(), sequence.frames.size());

@@ -4,7 +4,7 @@
 #include "datasets/native/native_writer.h"
 #include "datasets/simulation/scenario.h"
 #include "eval/metrics/label_truth.h"
-#include "eval/result/run_writer.h"
+#include "eval/output/run_writer.h"
 #include "eval/run/evaluate.h"
 #include "eval/run/run.h"
 #include "tests/eval/fixture.h"
@@ -57,7 +57,7 @@ TEST(LabelTruth, IsTheClassWhereNothingElseIsKnown) {
 
 // Scenes whose movers never stop are judged by class, wherever they were last measured.
 TEST(LabelTruth, OfMoversThatNeverStopIsTheirClass) {
-  for (const char* name : {"circle", "helix", "matched"}) {
+  for (const char* name : {"circle", "helix", "model_matched"}) {
     const Sequence sequence = simulate(name, {{"frames", "120"}}, 1);
     for (const int last : {20, 119}) {
       for (const auto& [track, label] : labels_when_last_measured(sequence, last)) {
@@ -99,7 +99,7 @@ TEST(LabelTruth, JudgesARunAndAStoredOne) {
     const RunDescription description{"", "ekf", (folder.path() / "sequence").string(), "", "",
                                      1,  {}};
     write_run(folder.path() / "run", description, run, metrics);
-    const ComparedResult again = evaluate_run(folder.path() / "run", {});
+    const NamedMetrics again = evaluate_run(folder.path() / "run", {});
     EXPECT_EQ(again.metrics.classification.statics.right, statics.right);
     EXPECT_EQ(again.metrics.classification.statics.wrong, statics.wrong);
     EXPECT_EQ(again.metrics.classification.movings.right, 1);

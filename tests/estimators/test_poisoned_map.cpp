@@ -26,7 +26,7 @@ class PoisonedMap : public testing::TestWithParam<std::string> {
   static Outcome run(int poison, const std::string& classifier, const std::string& labels) {
     Configuration configuration;
     configuration.model.classifier.name = classifier;
-    configuration.model.labels.name = labels;
+    assign(configuration, {"labels", labels});
     const unsigned seeds = GetParam() == "window" ? 4 : 8;  // a window takes seconds
     Outcome outcome;
     for (unsigned seed = 1; seed <= seeds; ++seed) {

@@ -136,7 +136,7 @@ TEST(Cli, HelpEverywhere) {
 
 TEST(Cli, ListsEveryTable) {
   for (const char* what :
-       {"estimators", "landmarks", "motions", "classifiers", "scenarios", "readers"}) {
+       {"estimators", "landmarks", "motions", "classifiers", "metrics", "scenarios", "readers"}) {
     const Outcome outcome = slammot(std::string("list ") + what);
     EXPECT_EQ(outcome.exit_code, 0) << what;
     EXPECT_NE(outcome.out, "") << what;

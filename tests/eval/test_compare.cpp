@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/compare/compare.h"
-#include "eval/metrics/metrics_table.h"
+#include "eval/output/metrics_table.h"
 #include "tests/eval/fixture.h"
 
 namespace slammot {

@@ -57,7 +57,7 @@ TEST(Configuration, YamlNestedOrDotted) {
   Configuration c;
   EXPECT_EQ(load_configuration(c, file).size(), 6u);
   EXPECT_EQ(c.window.frames, 7);
-  EXPECT_EQ(c.window.loss, "huber");
+  EXPECT_EQ(c.window.loss, Loss::kHuber);
   EXPECT_EQ(c.model.classifier.name, "bayes_factor");
   EXPECT_EQ(c.model.classifier.static_factor, 20.0);
   EXPECT_EQ(c.prior.max_speed, 3.0);
@@ -88,6 +88,40 @@ TEST(Configuration, YamlMistakesNameFileAndLine) {
   EXPECT_NE(reason("? [a, b]\n: 1\n").find("c.yaml:1:"), std::string::npos);
 }
 
+// Names of the last release, on the command line and in a file, mean what they meant.
+TEST(Configuration, OldNamesAreReadAndNewOnesWritten) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "old.yaml";
+  test::write_text(file, "policy: {lost_after: 7, missed_after: 40}\nprior.source: stated\n");
+  Configuration c;
+  load_configuration(c, file);
+  assign(c, parse_assignment("window.negligible=0.5"));
+  EXPECT_EQ(c.model.policy.prune_after, 7);
+  EXPECT_EQ(c.model.policy.prune_missed_after, 40);
+  EXPECT_EQ(c.window.cost_tolerance, 0.5);
+  EXPECT_EQ(c.model.depth_prior, DepthPriorSource::kFixed);
+  assign(c, {"prior.source", "map"});
+  EXPECT_EQ(c.model.depth_prior, DepthPriorSource::kEmpirical);
+  assign(c, {"policy.retain", "window"});
+  EXPECT_EQ(c.model.policy.retain, Retain::kWindow);
+  assign(c, {"policy.retain", "map"});
+  for (const auto& [key, value] : key_values(c)) {
+    EXPECT_EQ(with_present_names({key, value, 0}).key, key);
+    if (key == "prior.source") {
+      EXPECT_EQ(value, "empirical");
+    }
+    if (key == "policy.retain") {
+      EXPECT_EQ(value, "map");  // a name that did not change
+    }
+  }
+  test::write_text(file, "window.negligible: 1\nwindow.cost_tolerance: 2\n");
+  EXPECT_THROW(load_configuration(c, file), InputError);  // one key under two names
+  const Sequence old = simulate("matched", {{"frames", "3"}}, 1);
+  const Sequence present = simulate("model_matched", {{"frames", "3"}}, 1);
+  EXPECT_EQ(old.name, present.name);
+  EXPECT_EQ(old.frames[2].observations[0].pixel, present.frames[2].observations[0].pixel);
+}
+
 TEST(MakeSetup, ConfigurationThenSequenceThenDefault) {
   Sequence sequence = test::straight_line(2);
   sequence.pixel_sigma = 0.5;
@@ -110,10 +144,10 @@ TEST(MakeSetup, ConfigurationThenSequenceThenDefault) {
 // Where nothing else states the scale, the statement is not given up.
 TEST(MakeSetup, DepthsAreLearntWhereALandmarkIsKnown) {
   Sequence sequence = test::straight_line(2);
-  EXPECT_EQ(resolve(sequence, Configuration{}).model.depth_prior, "stated");
+  EXPECT_EQ(resolve(sequence, Configuration{}).model.depth_prior, DepthPriorSource::kFixed);
   EXPECT_EQ(make_setup(sequence, Configuration{}).prior.mean_sigma, 0.0);
   sequence.known.push_back({1, Eigen::Vector3d::UnitZ(), 0.01});
-  EXPECT_EQ(resolve(sequence, Configuration{}).model.depth_prior, "map");
+  EXPECT_EQ(resolve(sequence, Configuration{}).model.depth_prior, DepthPriorSource::kEmpirical);
   EXPECT_EQ(make_setup(sequence, Configuration{}).prior.mean_sigma,
             0.5 * LandmarkPrior{}.inverse_depth);
 }
@@ -126,9 +160,32 @@ TEST(Registry, NamesAreKnownAndAdjustTheConfiguration) {
   Configuration configuration;
   find_estimator("static_world").adjust(configuration);
   EXPECT_EQ(configuration.model.classifier.name, "all_static");
-  EXPECT_EQ(configuration.model.labels.name, "one_way");
+  EXPECT_EQ(configuration.model.labels.rule, LabelRule::kOneWay);
   find_estimator("delayed").adjust(configuration);
   EXPECT_TRUE(configuration.ekf.delayed);
+}
+
+// An estimator is compared with those of its kind; its own options decide whether it is an oracle.
+TEST(Registry, KindsAndOracles) {
+  EXPECT_EQ(find_estimator("window").kind, EstimatorKind::kSmoother);
+  EXPECT_EQ(find_estimator("delayed").kind, EstimatorKind::kFilter);
+  EXPECT_EQ(find_estimator("bound").kind, EstimatorKind::kBound);
+  Configuration configuration;
+  const auto oracle = [&](const char* name) {
+    return is_oracle(find_estimator(name), configuration);
+  };
+  EXPECT_FALSE(oracle("ekf"));
+  EXPECT_TRUE(oracle("true_labels"));
+  EXPECT_TRUE(oracle("bound"));
+  configuration.ekf.linearisation = FilterLinearisation::kIdeal;
+  EXPECT_TRUE(oracle("delayed"));
+  EXPECT_FALSE(oracle("window"));
+  configuration.window.linearisation = WindowLinearisation::kIdeal;
+  EXPECT_TRUE(oracle("window"));
+  configuration = {};
+  configuration.model.classifier.name = "truth";
+  EXPECT_TRUE(oracle("window"));
+  EXPECT_FALSE(oracle("static_world"));  // it labels by itself
 }
 
 TEST(Registry, TheBoundHasThePriorThatIsStated) {
@@ -137,7 +194,7 @@ TEST(Registry, TheBoundHasThePriorThatIsStated) {
     Configuration configuration;
     assign(configuration, {"prior.mean_sigma", mean_sigma});
     const Configuration bound = effective_configuration(sequence, configuration, "bound");
-    EXPECT_EQ(bound.model.depth_prior, "stated");
+    EXPECT_EQ(bound.model.depth_prior, DepthPriorSource::kFixed);
     EXPECT_EQ(make_setup(sequence, bound).prior.mean_sigma, 0.0);
     EXPECT_GT(effective_configuration(sequence, configuration, "ekf").prior.mean_sigma, 0.0);
   }

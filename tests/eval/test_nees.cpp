@@ -74,7 +74,7 @@ TEST(Nees, MeanOfAKnownGaussianIsItsDimension) {
   const double standard_error = std::sqrt(2.0 * 6.0 / samples);
   EXPECT_NEAR(mean(sampled_nees(P, P, samples)), 6.0, 4.0 * standard_error);
   const NeesSummary summary = summarise_nees(sampled_nees(P, P, samples), 6);
-  EXPECT_NEAR(summary.fraction_inside, 0.95, 0.01);
+  EXPECT_NEAR(summary.interval_coverage, 0.95, 0.01);
   EXPECT_EQ(summary.failures, 0);
   // A covariance wrong by 10% must not pass.
   EXPECT_GT(std::abs(mean(sampled_nees(P, 0.9 * P, samples)) - 6.0), 4.0 * standard_error);
@@ -92,7 +92,7 @@ TEST(Nees, ABrokenCovarianceIsAFailureAndNeverZero) {
   EXPECT_EQ(summary.failures, 1);
   EXPECT_TRUE(std::isinf(summary.mean));
   EXPECT_DOUBLE_EQ(summary.median, 2.0);
-  EXPECT_DOUBLE_EQ(summary.fraction_inside, 2.0 / 3.0);
+  EXPECT_DOUBLE_EQ(summary.interval_coverage, 2.0 / 3.0);
 }
 
 // The error is taken as the estimators state it: R_true = R_est Exp(dtheta), dr in the world.

@@ -77,6 +77,7 @@ def made_run(estimator, landmark, scale, overconfidence, seed):
                 "static": {"right": 251, "wrong": 3, "undecided": 12, "misclassified": 15 / 266},
                 "moving": {"right": 201, "wrong": 5, "undecided": 30, "misclassified": 35 / 236},
                 "without_truth": 0, "median_frames_to_decision": 14.0},
+            "path_length_m": 41.375,
             "nis": {"dof": 2, "mean": 1.71, "expected_mean": 1.685},
             "coverage": {"frames_offered": FRAMES, "frames_done": FRAMES},
             "runtime": {"frame_median_ms": total, "frame_p95_ms": 1.6 * total,
@@ -88,6 +89,26 @@ def made_run(estimator, landmark, scale, overconfidence, seed):
                    "accepted": [40] * FRAMES, "rejected": [2] * FRAMES,
                    "state_size": [412] * FRAMES, "frame_ms": [total] * FRAMES},
         "smoothed_series": copy.deepcopy(series) if smooths else None}
+
+
+def metric_row(key, path, of, name, unit="", form="real", better="smaller", expected="", on_page=True):
+    return {"key": key, "path": path, "of": of, "name": name, "unit": unit, "caption": f"the {name}", "form": form,
+            "decimals": 3, "better": better, "expected": expected, "on_page": on_page, "pooled": "mean"}
+
+
+# Of the table of metrics what the page shows or judges, and one that nothing but the table knows.
+METRICS = [
+    metric_row("position_rmse_m", "accuracy.position_rmse_m", "trajectory", "position RMSE", "m"),
+    metric_row("nees.pose.dof", "nees.pose.dof", "trajectory", "dof", form="count", on_page=False),
+    metric_row("nees.pose.mean", "nees.pose.mean", "trajectory", "pose NEES", better="expected", expected="nees.pose.dof"),
+    metric_row("nees.pose.mean_over_dof", "nees.pose.mean_over_dof", "trajectory", "ratio", on_page=False),
+    metric_row("nees.pose.fraction_inside", "nees.pose.fraction_inside", "trajectory", "interval coverage", form="ratio", better="neither"),
+    metric_row("nees.pose.covariances_not_positive_definite", "nees.pose.covariances_not_positive_definite", "trajectory", "failures", on_page=False),
+    metric_row("nis_expected", "nis.expected_mean", "run", "expected NIS", on_page=False),
+    metric_row("nis_mean", "nis.mean", "run", "NIS", better="neither", expected="nis_expected"),
+    metric_row("frame_median_ms", "runtime.frame_median_ms", "run", "time per frame", "ms"),
+    metric_row("path_length_m", "path_length_m", "run", "length of the path", "km", better="larger"),
+]
 
 
 def made_comparison():
@@ -108,7 +129,7 @@ def made_comparison():
                          "width": 640, "height": 480, "pixel_sigma": 1.0},
             "truth": {"timestamp": [i / 15 for i in range(FRAMES)],
                       "position": [true_position(i) for i in range(FRAMES)], "landmarks": landmarks},
-            "runs": runs}
+            "metrics": METRICS, "runs": runs}
 
 
 def without_truth(comparison):
@@ -225,6 +246,8 @@ class Report(unittest.TestCase):
         self.assertIn("ekf · dynamic_inverse_depth is overconfident: mean pose NEES 20.4 (6 expected)", text)
         self.assertIn("At the camera's 15 Hz", text)
         self.assertIn("1.69 expected", text)
+        self.assertIn("length of the path km", text)  # a metric that only the table knows
+        self.assertIn("41.375", text)
         self.assertIn("0f" * 32, text)
         self.assert_drawn(["trajectory", "position_error", "nees", "runtime"])
 
@@ -255,7 +278,7 @@ class Report(unittest.TestCase):
     def test_one_run(self):
         del self.comparison["runs"][1:]
         text = self.text_of_report()
-        self.assertIn("1 estimator over", text)
+        self.assertIn("1 estimator on the same", text)
         self.assertIn("ekf · dynamic_inverse_depth has a position RMSE of", text)
 
     def test_a_run_that_ended_before_its_first_frame(self):

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "eval/metrics/metrics.h"
-#include "eval/metrics/metrics_json.h"
+#include "eval/output/metrics_json.h"
 #include "eval/run/run.h"
 #include "tests/eval/fixture.h"
 
@@ -102,7 +102,7 @@ TEST(Drive, LandmarksAreRememberedAfterTheyLeave) {
   ASSERT_EQ(run.classification.size(), 2u);
   EXPECT_FALSE(run.classification[0].decision_frame);
   EXPECT_EQ(run.classification[0].observations, 2);
-  EXPECT_EQ(run.totals.lost, 1);
+  EXPECT_EQ(run.totals.pruned, 1);
   EXPECT_EQ(run.samples.size(), 8u);  // 2 x 3 frames, then track 0 twice
 }
 
@@ -193,7 +193,7 @@ TEST(Metrics, NisOfTheAccepted) {
   const RunMetrics metrics = compute_metrics(sequence, drive(sequence, estimator), 0.95);
   EXPECT_DOUBLE_EQ(metrics.nis.mean, 1.7);
   EXPECT_NEAR(metrics.nis.expected, 1.685, 5e-4);
-  EXPECT_EQ(metrics.coverage.offered, 24);
+  EXPECT_EQ(metrics.measurements.offered, 24);
 }
 
 }  // namespace

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "eval/metrics/metrics_json.h"
-#include "eval/result/run_reader.h"
-#include "eval/result/run_writer.h"
+#include "eval/output/metrics_json.h"
+#include "eval/output/run_reader.h"
+#include "eval/output/run_writer.h"
 #include "eval/run/run.h"
 #include "tests/eval/fixture.h"
 
@@ -168,13 +168,14 @@ TEST(RunFolder, BadLinesAreNamed) {
   const auto has = [](const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
   };
-  EXPECT_TRUE(has(reason("0 0 0 0 0 0 1\n", ""), "trajectory.tum:1: has 7 fields instead of 8"));
+  EXPECT_TRUE(has(reason("0 0 0 0 0 0 1\n", ""), "trajectory.tum:1: expected 8 fields, found 7"));
   EXPECT_TRUE(has(reason(good + "1 0 x 0 0 0 0 1\n", ""), "trajectory.tum:2: 'x' is not a number"));
   EXPECT_TRUE(has(reason(good + "1 0 nan 0 0 0 0 1\n", ""), ":2: 'nan' is not a finite number"));
   EXPECT_TRUE(has(reason(good + good, ""), "trajectory.tum:2: timestamps do not increase"));
   EXPECT_TRUE(has(reason("0 0 0 0 0 0 0 2\n", ""), ":1: the quaternion"));
   EXPECT_TRUE(has(reason("# nothing\n", ""), "holds no pose"));
-  EXPECT_TRUE(has(reason(good, "timestamp\n0,1\n"), "pose_covariance.csv:2: has 2 fields"));
+  EXPECT_TRUE(
+      has(reason(good, "timestamp\n0,1\n"), "pose_covariance.csv:2: expected 22 fields, found 2"));
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ class Study(unittest.TestCase):
         for name in FIGURES:
             for ending in ("pdf", "png"):
                 self.assertGreater((folder / "figures" / f"{name}.{ending}").stat().st_size, 5000)
-        for name in ("summary", "consistency", "classification", "pairs", "coverage"):
+        for name in ("summary", "consistency", "classification", "pairs", "metrics", "coverage"):
             lines = (folder / "tables" / f"{name}.csv").read_text(encoding="utf-8").splitlines()
             self.assertGreater(len(lines), 4)
             self.assertNotIn("nan", "".join(lines).lower().replace("anees", ""))

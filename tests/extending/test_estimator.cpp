@@ -49,7 +49,11 @@ class DeadReckoning final : public Estimator {
 };
 
 constexpr EstimatorRow kDeadReckoning{
-    "dead_reckoning", "the motion model alone", [](Configuration&) {},
+    "dead_reckoning",
+    "the motion model alone",
+    EstimatorKind::kFilter,
+    false,
+    [](Configuration&) {},
     [](const Setup& setup, const Configuration&) -> std::unique_ptr<Estimator> {
       return std::make_unique<DeadReckoning>(setup);
     }};

@@ -92,7 +92,7 @@ struct Driven {
          std::unique_ptr<Ekf> belief)
       : ekf(*belief),
         loop(setup, models, std::move(belief),
-             options.linearisation == "ideal" ? setup.truth : nullptr) {}
+             options.linearisation == FilterLinearisation::kIdeal ? setup.truth : nullptr) {}
 
   const Ekf& ekf;
   FrameLoop loop;
@@ -104,14 +104,14 @@ class DeferredCase : public testing::TestWithParam<Case> {};
 TEST_P(DeferredCase, IsTheEkf) {
   const Sequence sequence = simulate("circle", {}, 1);
   Configuration configuration;
-  configuration.ekf.linearisation = GetParam().linearisation;
+  assign(configuration, {"ekf.linearisation", GetParam().linearisation});
   slammot::Setup setup = make_setup(sequence, configuration);
   setup.prior.mean_sigma = GetParam().mean_sigma;
   ModelOptions models;
   models.landmark = GetParam().landmark;
-  models.collapse = GetParam().collapse;
+  models.collapse = GetParam().collapse == "drop" ? Collapse::kDrop : Collapse::kCondition;
   EkfOptions options;
-  options.linearisation = GetParam().linearisation;
+  options.linearisation = configuration.ekf.linearisation;
   options.iterations = GetParam().iterations;
   options.delayed = GetParam().delayed;
   Driven plain(setup, models, options);
@@ -175,7 +175,7 @@ TEST(Deferred, IsRefusedWhereFarRowsChangeOtherwise) {
   const Sequence sequence = simulate("circle", {{"frames", "3"}}, 1);
   EkfOptions options;
   options.deferred = true;
-  options.linearisation = "invariant";
+  options.linearisation = FilterLinearisation::kInvariant;
   EXPECT_THROW(make_ekf(make_setup(sequence, Configuration{}), {}, options), std::invalid_argument);
 }
 

@@ -12,12 +12,12 @@ namespace {
 // The camera's covariance in the end, as a root mean variance of its entries' differences between
 // two noise realisations, in sigmas.
 double dependence_on_noise(const std::string& linearisation) {
-  const Sequence sequence = simulate("matched", {{"frames", "40"}}, 1);
+  const Sequence sequence = simulate("model_matched", {{"frames", "40"}}, 1);
   Configuration configuration;
   assign(configuration, {"landmark", "dynamic_inverse_depth"});
   assign(configuration, {"ekf.linearisation", linearisation});
   assign(configuration, {"gate.probability", "0.999999999999"});
-  assign(configuration, {"prior.source", "stated"});  // what is learnt is of the measurements
+  assign(configuration, {"prior.source", "fixed"});  // what is learnt is of the measurements
   const auto last = [&](unsigned seed) {
     const RunResult run =
         run_estimator(test::renoised(sequence, seed), configuration, "true_labels");
@@ -63,7 +63,7 @@ TEST(Linearisation, TheInvariantErrorInventsNoHeading) {
 }
 
 TEST(Linearisation, UnknownNamesAndAMissingTruthAreRefused) {
-  Sequence sequence = simulate("matched", {{"frames", "3"}}, 1);
+  Sequence sequence = simulate("model_matched", {{"frames", "3"}}, 1);
   Configuration configuration;
   EXPECT_THROW(assign(configuration, {"ekf.linearisation", "perfect"}), std::invalid_argument);
   assign(configuration, {"ekf.linearisation", "ideal"});

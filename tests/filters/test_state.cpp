@@ -11,7 +11,8 @@
 namespace slammot {
 namespace {
 
-const Linearisation kStandard("standard", find_landmark("scaled_velocity"), nullptr);
+const Linearisation kStandard(FilterLinearisation::kStandard, find_landmark("scaled_velocity"),
+                              nullptr);
 
 Camera pinhole() { return {640, 480, 385.0, 385.0, 319.5, 239.5, PinholeLens{}}; }
 

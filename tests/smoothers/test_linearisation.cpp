@@ -10,13 +10,13 @@ namespace {
 
 // Of the last camera, with true labels and an open gate.
 Matrix12d last_covariance(const std::string& linearisation, unsigned seed) {
-  const Sequence sequence = test::renoised(simulate("matched", {{"frames", "40"}}, 1), seed);
+  const Sequence sequence = test::renoised(simulate("model_matched", {{"frames", "40"}}, 1), seed);
   Configuration configuration;
   assign(configuration, {"landmark", "scaled_velocity"});
   assign(configuration, {"window.linearisation", linearisation});
   assign(configuration, {"window.frames", "5"});
   assign(configuration, {"gate.probability", "0.999999999999"});
-  assign(configuration, {"prior.source", "stated"});
+  assign(configuration, {"prior.source", "fixed"});
   assign(configuration, {"classifier", "truth"});
   assign(configuration, {"labels", "one_way"});
   const RunResult run = run_estimator(sequence, configuration, "window");
@@ -42,7 +42,7 @@ TEST(WindowLinearisation, EachIsAnother) {
 }
 
 TEST(WindowLinearisation, IdealNeedsTheTruth) {
-  Sequence sequence = simulate("matched", {{"frames", "3"}}, 1);
+  Sequence sequence = simulate("model_matched", {{"frames", "3"}}, 1);
   Configuration configuration;
   assign(configuration, {"window.linearisation", "ideal"});
   sequence.exact_truth = false;

@@ -3,24 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <stdexcept>
+
+#include "datasets/text/number.h"
 
 namespace slammot {
 namespace {
 
 template <typename T>
 T parse(const Parameter& parameter, const std::string& text) {
-  T value{};
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(static_cast<double>(value))) {
+  const std::optional<T> number = parse_number<T>(text);
+  if (!number || !std::isfinite(static_cast<double>(*number))) {
     throw std::invalid_argument(
         fmt::format("{}: '{}' is not {}", parameter.name, text,
                     std::is_integral_v<T> ? "a whole number" : "a finite number"));
   }
+  const T value = *number;
   if (static_cast<double>(value) < parameter.lowest) {
     const bool open = parameter.lowest == kAbove0;
     throw std::invalid_argument(

@@ -2,14 +2,23 @@
 // options.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
-#include "datasets/simulation/scenario.h"
-
 namespace slammot {
+
+// Values by key; `radius` and `circle.radius` are the same key of the scenario `circle`.
+using ScenarioOverrides = std::map<std::string, std::string>;
+
+struct ScenarioParameter {
+  std::string name;
+  std::string help;
+  std::string value;  // by default
+};
 
 inline constexpr double kAbove0 = 1e-9;  // the lowest value of what must be positive
 

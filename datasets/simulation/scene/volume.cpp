@@ -136,7 +136,9 @@ LandmarkPrior population_prior(SceneOptions options, const Eigen::Vector3d& cent
       recording, trajectory, draw_points(options, centre, trajectory.front(), kSeed), kSeed));
   const bool stops = volume.stops.stopping_fraction + volume.stops.parked_fraction > 0.0;
   if (volume.manoeuvres.share > 0.0 && !stops) {
-    prior.acceleration = std::max(rms_of_movers(volume).acceleration, kLeastObjectAcceleration);
+    const MoverSigmas rms = rms_of_movers(volume);
+    prior.acceleration = std::max(rms.acceleration, kLeastObjectAcceleration);
+    prior.jerk = rms.jerk;
   }
   return prior;
 }

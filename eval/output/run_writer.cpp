@@ -1,4 +1,4 @@
-#include "eval/result/run_writer.h"
+#include "eval/output/run_writer.h"
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <fstream>
 
-#include "eval/metrics/metrics_json.h"
-#include "eval/result/run_files.h"
+#include "eval/output/metrics_json.h"
+#include "eval/output/run_files.h"
 
 namespace slammot {
 namespace {
@@ -76,7 +76,7 @@ void write_covariances(const Path& file, const std::vector<CameraEstimate>& came
 
 void write_landmarks(const Path& file, const std::vector<LandmarkRecord>& landmarks) {
   std::ofstream out = open(file);
-  out << "# as believed after `frame`, W [m, m/s]; covariances of true minus estimated; nan: not "
+  out << "# estimates after `frame`, W [m, m/s]; covariances of true minus estimated; nan: not "
          "defined\n"
       << "track,frame,label,x,y,z,vx,vy,vz" << triangle_head("p", 3) << triangle_head("v", 3)
       << '\n';

@@ -1,13 +1,15 @@
-#include "eval/result/run_reader.h"
+#include "eval/output/run_reader.h"
 
+#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <fstream>
+#include <functional>
 #include <map>
 
-#include "eval/metrics/metrics_json.h"
-#include "eval/result/run_files.h"
-#include "eval/result/table_file.h"
+#include "datasets/text/text_table.h"
+#include "eval/output/metrics_json.h"
+#include "eval/output/run_files.h"
 
 namespace slammot {
 namespace {
@@ -15,43 +17,55 @@ namespace {
 using Path = std::filesystem::path;
 
 template <int N>
-Eigen::Matrix<double, N, N> from_upper_triangle(const Path& file, const TableRow& row,
-                                                size_t first) {
+Eigen::Matrix<double, N, N> from_upper_triangle(const TextTable& row, size_t first) {
   Eigen::Matrix<double, N, N> m;
   for (int i = 0; i < N; ++i) {
-    for (int j = i; j < N; ++j) m(i, j) = m(j, i) = real_field(file, row, first++, true);
+    for (int j = i; j < N; ++j) m(i, j) = m(j, i) = row.real_or_nan(first++);
   }
   return m;
 }
 
-Eigen::Vector3d vector_at(const Path& file, const TableRow& row, size_t first, bool nan_allowed) {
-  return {real_field(file, row, first, nan_allowed), real_field(file, row, first + 1, nan_allowed),
-          real_field(file, row, first + 2, nan_allowed)};
+Eigen::Vector3d vector_at(const TextTable& row, size_t first) {
+  return {row.real(first), row.real(first + 1), row.real(first + 2)};
 }
 
-Label label_at(const Path& file, const TableRow& row, size_t field) {
+Eigen::Vector3d vector_or_nan_at(const TextTable& row, size_t first) {
+  return {row.real_or_nan(first), row.real_or_nan(first + 1), row.real_or_nan(first + 2)};
+}
+
+Label label_at(const TextTable& row, size_t field) {
   for (const Label label : {Label::kUnknown, Label::kStatic, Label::kMoving}) {
-    if (row.fields[field] == to_string(label)) return label;
+    if (row.field(field) == to_string(label)) return label;
   }
-  throw InputError(file, row.line, "'" + row.fields[field] + "' is not a label");
+  row.refuse(fmt::format("'{}' is not a label", row.field(field)));
+}
+
+// The rows of a CSV file of a run, below its comments and its heading; none without the file.
+void for_each_row(const Path& file, size_t columns,
+                  const std::function<void(const TextTable& row)>& visit) {
+  if (!std::filesystem::exists(file)) return;
+  const std::string text = read_text_file(file);
+  TextTable table(file, text);
+  table.pass_comments();
+  table.pass_line();
+  for (table.pass_comments(); table.next_comma_row(columns); table.pass_comments()) visit(table);
 }
 
 std::vector<CameraEstimate> read_trajectory(const Path& file) {
   std::vector<CameraEstimate> cameras;
-  for (const TableRow& row : read_table(file, ' ', 8, false)) {
+  const std::string text = read_text_file(file);
+  for (TextTable row(file, text); row.next_blank_row(8);) {
     CameraEstimate camera;
-    camera.timestamp = real_field(file, row, 0);
-    camera.state.position = vector_at(file, row, 1, false);
-    const Eigen::Vector3d im = vector_at(file, row, 4, false);
-    camera.state.orientation = Eigen::Quaterniond(real_field(file, row, 7), im.x(), im.y(), im.z());
+    camera.timestamp = row.real(0);
+    camera.state.position = vector_at(row, 1);
+    const Eigen::Vector3d im = vector_at(row, 4);
+    camera.state.orientation = Eigen::Quaterniond(row.real(7), im.x(), im.y(), im.z());
     const double norm = camera.state.orientation.norm();
-    if (!(std::abs(norm - 1.0) < 1e-2)) {
-      throw InputError(file, row.line, "the quaternion is not of unit length");
-    }
+    if (!(std::abs(norm - 1.0) < 1e-2)) row.refuse("the quaternion is not of unit length");
     camera.state.orientation.normalize();
     camera.covariance.setConstant(kUndefined);
     if (!cameras.empty() && camera.timestamp <= cameras.back().timestamp) {
-      throw InputError(file, row.line, "timestamps do not increase");
+      row.refuse("timestamps do not increase");
     }
     cameras.push_back(camera);
   }
@@ -61,32 +75,33 @@ std::vector<CameraEstimate> read_trajectory(const Path& file) {
 
 void read_covariances(const Path& file, std::vector<CameraEstimate>& cameras) {
   if (!std::filesystem::exists(file)) return;
-  const std::vector<TableRow> rows = read_table(file, ',', 22, true);
-  if (rows.size() != cameras.size()) throw InputError(file, 0, "has not one row for each pose");
-  for (size_t i = 0; i < rows.size(); ++i) {
-    if (std::abs(real_field(file, rows[i], 0) - cameras[i].timestamp) > 1e-6) {
-      throw InputError(file, rows[i].line, "the timestamp is not that of the pose");
+  size_t count = 0;
+  for_each_row(file, 22, [&](const TextTable& row) {
+    if (count == cameras.size()) row.refuse("there are more rows than poses");
+    CameraEstimate& camera = cameras[count++];
+    if (std::abs(row.real(0) - camera.timestamp) > 1e-6) {
+      row.refuse("the timestamp is not that of the pose");
     }
-    cameras[i].covariance.topLeftCorner<6, 6>() = from_upper_triangle<6>(file, rows[i], 1);
-  }
+    camera.covariance.topLeftCorner<6, 6>() = from_upper_triangle<6>(row, 1);
+  });
+  if (count != cameras.size()) throw InputError(file, 0, "has not one row for each pose");
 }
 
 }  // namespace
 
 std::vector<LandmarkRecord> read_landmark_rows(const Path& file) {
   std::vector<LandmarkRecord> records;
-  if (!std::filesystem::exists(file)) return records;
-  for (const TableRow& row : read_table(file, ',', 21, true)) {
+  for_each_row(file, 21, [&](const TextTable& row) {
     LandmarkRecord record;
-    record.estimate.track = integer_field(file, row, 0);
-    record.frame = integer_field(file, row, 1);
-    record.estimate.label = label_at(file, row, 2);
-    record.estimate.position = vector_at(file, row, 3, true);
-    record.estimate.velocity = vector_at(file, row, 6, true);
-    record.estimate.position_covariance = from_upper_triangle<3>(file, row, 9);
-    record.estimate.velocity_covariance = from_upper_triangle<3>(file, row, 15);
+    record.estimate.track = row.count(0);
+    record.frame = row.count(1);
+    record.estimate.label = label_at(row, 2);
+    record.estimate.position = vector_or_nan_at(row, 3);
+    record.estimate.velocity = vector_or_nan_at(row, 6);
+    record.estimate.position_covariance = from_upper_triangle<3>(row, 9);
+    record.estimate.velocity_covariance = from_upper_triangle<3>(row, 15);
     records.push_back(record);
-  }
+  });
   return records;
 }
 
@@ -105,26 +120,23 @@ std::vector<LandmarkRecord> read_landmarks(const Path& file) {
 
 std::vector<ClassificationRecord> read_classification(const Path& file) {
   std::vector<ClassificationRecord> records;
-  if (!std::filesystem::exists(file)) return records;
-  for (const TableRow& row : read_table(file, ',', 5, true)) {
+  for_each_row(file, 5, [&](const TextTable& row) {
     ClassificationRecord record;
-    record.track = integer_field(file, row, 0);
-    if (row.fields[1] != "-") record.truth = label_at(file, row, 1);
-    record.label = label_at(file, row, 2);
-    if (!row.fields[3].empty()) record.decision_frame = integer_field(file, row, 3);
-    record.observations = integer_field(file, row, 4);
+    record.track = row.count(0);
+    if (row.field(1) != "-") record.truth = label_at(row, 1);
+    record.label = label_at(row, 2);
+    if (!row.field(3).empty()) record.decision_frame = row.count(3);
+    record.observations = row.count(4);
     records.push_back(record);
-  }
+  });
   return records;
 }
 
 std::vector<StageTime> read_timing(const Path& file) {
   std::vector<StageTime> timing;
-  if (!std::filesystem::exists(file)) return timing;
-  for (const TableRow& row : read_table(file, ',', 4, true)) {
-    timing.push_back({integer_field(file, row, 0), row.fields[1], real_field(file, row, 2),
-                      integer_field(file, row, 3)});
-  }
+  for_each_row(file, 4, [&](const TextTable& row) {
+    timing.push_back({row.count(0), std::string(row.field(1)), row.real(2), row.count(3)});
+  });
   return timing;
 }
 

@@ -1,4 +1,4 @@
-#include "apps/draw_run.h"
+#include "apps/support/draw_run.h"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <map>
 
 #include "eval/metrics/pose_pairs.h"
-#include "eval/result/run_files.h"
-#include "eval/result/run_reader.h"
+#include "eval/output/run_files.h"
+#include "eval/output/run_reader.h"
 #include "frontend/image_file.h"
 #include "frontend/rendering/film.h"
 #include "frontend/rendering/picture.h"
@@ -84,7 +84,7 @@ class Painter {
 
  private:
   const Sequence& sequence_;
-  double pixel_sigma_;  // that the run was told
+  double pixel_sigma_;  // as given to the run
   std::map<int, std::vector<LandmarkEstimate>> landmarks_;
   MapPlane plane_;
   Positions path_, truth_;

@@ -1,4 +1,4 @@
-#include "apps/progress.h"
+#include "apps/support/progress.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "apps/configuration_options.h"
+#include "apps/support/configuration_options.h"
 
 #include <fmt/format.h>
 

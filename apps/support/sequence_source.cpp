@@ -1,4 +1,4 @@
-#include "apps/sequence_source.h"
+#include "apps/support/sequence_source.h"
 
 #include <stdexcept>
 

@@ -1,0 +1,215 @@
+#include "eval/output/metrics_json.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slammot {
+namespace {
+
+// The object of a dotted name within `json`, made where it is missing.
+Json& block_of(Json& json, const std::string& name) {
+  Json* block = &json;
+  for (size_t begin = 0; begin < name.size();) {
+    const size_t end = std::min(name.find('.', begin), name.size());
+    block = &(*block)[name.substr(begin, end - begin)];
+    begin = end + 1;
+  }
+  return *block;
+}
+
+Json number_json(const MetricValue& v) {
+  const bool whole = v.metric.form == Form::kCount && std::isfinite(v.value);
+  return whole ? Json(static_cast<long>(v.value)) : Json(v.value);
+}
+
+void put_values(Json& json, const std::vector<MetricValue>& values) {
+  for (const MetricValue& v : values) {
+    block_of(json, v.metric.block)[v.metric.name_in_block()] = number_json(v);
+  }
+}
+
+// A block that is not known is null beside the reason.
+template <typename T>
+void put_reason(Json& json, const std::string& name, const Known<T>& known) {
+  if (known.value) return;
+  json[name] = nullptr;
+  json[name + "_reason"] = known.reason;
+}
+
+void put_interval(Json& json, const NeesSummary& s) {
+  json["single_run_interval_95"] = {s.lower, s.upper};
+}
+
+void put_series(Json& nees, const PoseConsistency& c) {
+  nees["error"] = "[dr (W), dtheta (C, right)]";
+  nees["excluded"] = "frames before the first prediction";
+  nees["note"] = "frames of one run are correlated: fraction_inside is descriptive";
+  put_interval(nees["pose"], c.pose);
+  put_interval(nees["position"], c.position);
+  put_interval(nees["rotation"], c.rotation);
+  nees["series_columns"] = {"frame", "timestamp", "pose", "position", "rotation"};
+  nees["series"] = Json::array();
+  for (const PoseNees& s : c.series) {
+    nees["series"].push_back({s.frame, s.timestamp, s.pose, s.position, s.rotation});
+  }
+}
+
+Json trajectory_json(const TrajectoryMetrics& t) {
+  Json json = Json::object();
+  put_values(json, t.values);
+  put_reason(json, "accuracy", t.accuracy);
+  put_reason(json, "nees", t.consistency);
+  if (t.consistency.value) put_series(json["nees"], *t.consistency.value);
+  return json;
+}
+
+Json stages_json(const RuntimeMetrics& r) {
+  Json stages = Json::array();
+  for (const StageCost& s : r.stages) {
+    stages.push_back({{"stage", s.stage},
+                      {"median_ms", s.median_ms},
+                      {"p95_ms", s.p95_ms},
+                      {"total_ms", s.total_ms}});
+  }
+  return stages;
+}
+
+struct CountField {
+  const char* key;
+  int MeasurementCounts::*count;
+};
+constexpr CountField kCounts[] = {
+    {"frames_offered", &MeasurementCounts::frames_offered},
+    {"frames_done", &MeasurementCounts::frames_done},
+    {"measurements_offered", &MeasurementCounts::offered},
+    {"accepted", &MeasurementCounts::accepted},
+    {"rejected", &MeasurementCounts::rejected},
+    {"out_of_view", &MeasurementCounts::out_of_view},
+    {"landmarks_admitted", &MeasurementCounts::initialised},
+    {"landmarks_lost", &MeasurementCounts::pruned},
+    {"negative_inverse_depths", &MeasurementCounts::negative_inverse_depth},
+};
+
+}  // namespace
+
+Json json_of(const MeasurementCounts& counts) {
+  Json json = Json::object();
+  for (const CountField& field : kCounts) json[field.key] = counts.*field.count;
+  return json;
+}
+
+MeasurementCounts measurement_counts_of(const Json& json) {
+  MeasurementCounts counts;
+  for (const CountField& field : kCounts) counts.*field.count = json.at(field.key).get<int>();
+  return counts;
+}
+
+Json json_of(const std::optional<Divergence>& d) {
+  return d ? Json{{"frame", d->frame}, {"reason", d->reason}} : Json();
+}
+
+std::optional<Divergence> divergence_of(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  return Divergence{json.at("frame").get<int>(), json.at("reason").get<std::string>()};
+}
+
+Json metrics_json(const RunMetrics& m) {
+  Json json = Json::object();
+  json["diverged"] = m.diverged.has_value();
+  json["divergence"] = json_of(m.diverged);
+  json["filtered"] = trajectory_json(m.filtered);
+  json["smoothed"] = m.smoothed ? trajectory_json(*m.smoothed) : Json();
+  put_values(json, m.values);
+  put_reason(json, "landmark_errors", m.landmark_errors);
+  put_reason(json, "landmark_nees", m.landmark_consistency);
+  if (m.landmark_consistency.value) {
+    put_interval(json["landmark_nees"]["position"], m.landmark_consistency.value->position);
+    put_interval(json["landmark_nees"]["velocity"], m.landmark_consistency.value->velocity);
+  }
+  json["coverage"] = json_of(m.measurements);
+  json["runtime"]["stages"] = stages_json(m.runtime);
+  return json;
+}
+
+void restore_totals(const Json& metrics, RunResult& run) {
+  const MeasurementCounts counts = measurement_counts_of(metrics.at("coverage"));
+  FrameCounts& totals = run.totals;
+  run.frames_offered = counts.frames_offered;
+  totals.accepted = counts.accepted;
+  totals.rejected = counts.rejected;
+  totals.out_of_view = counts.out_of_view;
+  totals.admitted = counts.initialised;
+  totals.pruned = counts.pruned;
+  totals.negative_inverse_depth = counts.negative_inverse_depth;
+  const Json& mean_nis = metrics.at("nis").at("mean");
+  if (mean_nis.is_number()) totals.nis_sum = mean_nis.get<double>() * totals.accepted;
+  run.smoothing_ms = metrics.at("runtime").at("smoothing_ms").get<double>();
+  run.diverged = divergence_of(metrics.at("divergence"));
+}
+
+Json values_json(const std::vector<MetricValue>& values,
+                 const std::function<bool(const Metric&)>& wanted) {
+  Json json = Json::object();
+  for (const MetricValue& v : values) {
+    if (wanted(v.metric)) json[v.metric.key] = v.value;
+  }
+  return json;
+}
+
+namespace {
+
+constexpr const char* name_of(Better better) {
+  switch (better) {
+    case Better::kSmaller:
+      return "smaller";
+    case Better::kLarger:
+      return "larger";
+    case Better::kNearExpected:
+      return "expected";
+    case Better::kNeither:
+      break;
+  }
+  return "neither";
+}
+
+constexpr const char* name_of(Form form) {
+  return form == Form::kCount ? "count" : form == Form::kRatio ? "ratio" : "real";
+}
+
+constexpr const char* name_of(Pooled pooled) {
+  switch (pooled) {
+    case Pooled::kMean:
+      return "mean";
+    case Pooled::kRootMeanSquare:
+      return "rms";
+    case Pooled::kMedianTiming:
+      return "timing";
+    case Pooled::kNot:
+      break;
+  }
+  return "not";
+}
+
+}  // namespace
+
+Json metric_table_json(const MetricTable& table) {
+  Json json = Json::array();
+  for (const Metric& m : table) {
+    const std::string prefix = m.block.empty() ? "" : m.block + ".";
+    json.push_back({{"key", m.key},
+                    {"path", prefix + m.name_in_block()},
+                    {"of", m.scope == Scope::kTrajectory ? "trajectory" : "run"},
+                    {"name", m.name},
+                    {"unit", m.unit},
+                    {"caption", m.caption},
+                    {"form", name_of(m.form)},
+                    {"decimals", m.decimals},
+                    {"better", name_of(m.better)},
+                    {"expected", m.expected},
+                    {"on_page", m.shown != Shown::kFiles},
+                    {"pooled", name_of(m.pooled)}});
+  }
+  return json;
+}
+
+}  // namespace slammot

@@ -1,0 +1,50 @@
+"""The table of metrics as the program writes it into compare.json and summary.json: what each number is."""
+from dataclasses import dataclass
+
+UNDEFINED = "–"
+
+
+@dataclass(frozen=True)
+class Metric:
+    key: str
+    path: str       # in metrics.json, dotted; below `filtered` and `smoothed` where `of` is trajectory
+    of: str         # trajectory | run
+    name: str
+    unit: str
+    caption: str
+    form: str       # real | count | ratio
+    decimals: int
+    better: str     # smaller | larger | expected | neither
+    expected: str   # the key of the metric that says what a consistent run has
+    on_page: bool
+    pooled: str     # over the runs of a study: mean | rms | timing | not
+
+
+def read_table(rows):
+    """Of the list in a file, by key. Keys that this version does not know are passed over."""
+    known = Metric.__dataclass_fields__
+    return {row["key"]: Metric(**{name: row[name] for name in known}) for row in rows}
+
+
+def heading(metric):
+    return f"{metric.name} [{metric.unit}]" if metric.unit else metric.name
+
+
+def text(metric, value):
+    if value is None:
+        return UNDEFINED
+    if metric.form == "ratio":
+        return f"{100 * value:.1f}%"
+    if value and abs(value) < 0.5 * 10.0 ** -metric.decimals and metric.form == "real":
+        return f"{value:.2g}"
+    return f"{value:.{0 if metric.form == 'count' else metric.decimals}f}"
+
+
+def best(metric, values, expected):
+    """The best of these values, or None where the metric has none or all are equal."""
+    values = [value for value in values if value is not None]
+    if metric.better == "neither" or len(set(values)) < 2:
+        return None
+    if metric.better == "expected":
+        return min(values, key=lambda value: abs(value - expected)) if expected is not None else None
+    return min(values) if metric.better == "smaller" else max(values)

@@ -1,0 +1,109 @@
+// A metric, as docs/extending.md adds one: what stands between the `example` and `end` lines is
+// quoted there. Nothing but the row is given to the program, and everything shows it.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "eval/compare/compare.h"
+#include "eval/output/metrics_json.h"
+#include "eval/report/report_generator.h"
+#include "eval/run/process.h"
+#include "eval/study/study_driver.h"
+#include "eval/study/study_summary.h"
+#include "tests/temporary_folder.h"
+
+namespace slammot {
+namespace {
+
+// [example: metric]
+// Length of the estimated path over that of the true one. Noise lengthens a path, a scale that
+// drifts down shortens it.
+double path_ratio(const FinishedRun& finished) {
+  double estimated = 0.0, truth = 0.0;
+  const std::vector<PosePair> pairs = pair_with_truth(finished.sequence, finished.estimates);
+  for (size_t i = 1; i < pairs.size(); ++i) {
+    const CameraState &before = pairs[i - 1].estimate.state, &after = pairs[i].estimate.state;
+    estimated += (after.position - before.position).norm();
+    truth += (pairs[i].truth.position - pairs[i - 1].truth.position).norm();
+  }
+  return truth > 0.0 ? estimated / truth : kUndefined;
+}
+
+const Metric kPathRatio{.key = "path_ratio",
+                        .unit = "",
+                        .name = "path ratio",
+                        .caption = "estimated over true length of the path",
+                        .value = path_ratio,
+                        .scope = Scope::kTrajectory,
+                        .decimals = 4,
+                        .better = Better::kNeither,
+                        .shown = Shown::kTerminal};
+// [end]
+
+const char* const kStudy =
+    "format: slammot-study-1\nname: path\nruns: 2\n"
+    "scenarios: [{scenario: helix, set: {frames: 12}}]\n"
+    "estimators: [{estimator: ekf}, {estimator: window, set: {window.frames: 3}}]\n";
+
+class ExtendingMetric : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { prepare_process(); }
+  const MetricTable table_ = metric_table_with({kPathRatio});
+  const test::TemporaryFolder folder_;
+};
+
+TEST_F(ExtendingMetric, IsInMetricsJsonOnTheTerminalAndOnThePage) {
+  const Sequence sequence = simulate("helix", {{"frames", "12"}}, 1);
+  CompareOptions options;
+  options.output = folder_.path();
+  options.metrics = table_;
+  const auto results =
+      compare(sequence, {}, crossed({"ekf", "window"}, {"scaled_velocity"}), options);
+  for (const NamedMetrics& result : results) {
+    const double value = value_of(result.metrics.filtered.values, "path_ratio");
+    EXPECT_NEAR(value, 1.0, 0.5);
+    const Json file = Json::parse(test::read_text(folder_.path() / result.label / "metrics.json"));
+    EXPECT_EQ(file["filtered"]["path_ratio"], value);
+    EXPECT_EQ(file["smoothed"].is_null(), !result.metrics.smoothed.has_value());
+    if (result.metrics.smoothed) {
+      EXPECT_TRUE(file["smoothed"]["path_ratio"].is_number());
+    }
+  }
+  EXPECT_NE(metrics_table(results).find("path ratio"), std::string::npos);
+  ASSERT_TRUE(write_compare_report(folder_.path()));
+  const std::string page = test::read_text(folder_.path() / "report.html");
+  EXPECT_NE(page.find("title=\"estimated over true length of the path\">path ratio"),
+            std::string::npos);
+}
+
+TEST_F(ExtendingMetric, IsPooledByAStudyAndAColumnOfItsTables) {
+  test::write_text(folder_.path() / "path.yaml", kStudy);
+  Study study = read_study(folder_.path() / "path.yaml");
+  study.metrics = table_;
+  StudyOptions options;
+  options.output = folder_.path() / "study";
+  claim_folder(study, options.output, options.shard, false);
+  ASSERT_EQ(run_study(study, options), 4);
+  merge_runs(study, {options.output}, options.output);
+  const Json summary = summarise_study(study, options.output);
+  std::ofstream(options.output / "summary.json") << summary.dump(1) << '\n';
+
+  std::ifstream results(options.output / "results.jsonl");
+  std::string first, second;
+  std::getline(results, first);
+  std::getline(results, second);
+  const double a = Json::parse(first)["filtered"]["path_ratio"].get<double>();
+  const double b = Json::parse(second)["filtered"]["path_ratio"].get<double>();
+  const Json& cells = summary["groups"][0]["cells"];
+  EXPECT_DOUBLE_EQ(cells[0]["filtered_path_ratio"]["value"].get<double>(), 0.5 * (a + b));
+  EXPECT_EQ(cells[1]["smoothed_path_ratio"]["runs"], 2);
+
+  ASSERT_TRUE(write_study_report(options.output));
+  const std::string csv = test::read_text(options.output / "tables" / "metrics.csv");
+  const std::string head = csv.substr(0, csv.find('\n'));
+  EXPECT_NE(head.find(",path ratio"), std::string::npos) << head;
+  EXPECT_NE(head.find(",smoothed: path ratio"), std::string::npos) << head;
+}
+
+}  // namespace
+}  // namespace slammot
