@@ -1,7 +1,7 @@
 // What an estimator family believes: the joint Gaussian of camera and landmarks, and the few
 // questions in which a filter and a smoother differ. Everything else of a frame is frame_loop.h and
 // landmark_manager.h, the same for every family; a new family implements this interface and
-// inherits gate, labels, depth prior and the life of a landmark.
+// inherits gate, labels, depth prior and pruning.
 //
 // A landmark is named by its track. It is *free* while it has a motion w, else static.
 // Output parameters are replaced; they are handed in so that a warm frame asks for no memory.

@@ -1,12 +1,12 @@
-// The Gaussian that a newborn landmark's inverse depth has before it is measured again.
+// The Gaussian that a new landmark's inverse depth has before it is measured again.
 //
-// `stated`: N(rho0, sigma_rho^2) for every landmark, as the sequence or the user states it. `map`:
-// learnt in every frame from the established static landmarks that this frame measured, so that it
-// follows the scene, and a wrong statement decides only about landmarks born before any other is
-// known: those of the first frame.
+// `fixed`: N(rho0, sigma_rho^2) for every landmark, as the sequence or the user states it.
+// `empirical`: learnt in every frame from the established static landmarks that this frame
+// measured, so that it follows the scene, and a wrong statement decides only about landmarks
+// initialised before any other is known: those of the first frame.
 //
-// Bias of first sight. Landmarks are not born where the camera finds them later: most come into
-// view far ahead and are then approached. What is learnt are therefore their inverse depths at
+// Bias of first sight. Landmarks are not initialised where the camera finds them later: most come
+// into view far ahead and are then approached. What is learnt are therefore their inverse depths at
 // birth, which is what rho of a static landmark is (the distance from its anchor), and not those
 // from the present camera: on `circle` the latter have a mean 35 to 45% above that of the births.
 // What remains: those that pass close by leave soon and are seldom in the sample, so that the
@@ -17,8 +17,8 @@
 // (LandmarkPrior::mean_sigma), a state that is correlated with the map as it should be, the mean of
 // a birth is that state, and only its spread and the motion's prior are learnt here.
 //
-// `auto`: `map` where some landmark is known beforehand. Where none is, the statement is all that
-// holds the scale, and it is kept.
+// `auto`: `empirical` where some landmark is known beforehand. Where none is, the statement is all
+// that holds the scale, and it is kept.
 #pragma once
 
 #include <span>
@@ -34,7 +34,7 @@ struct SeenDepth {
   double sigma = 0.0;          // [1/m]
 };
 
-// `stated` with the mean and sigma of the inverse depth learnt. Conjugate (normal, inverse
+// `fixed` with the mean and sigma of the inverse depth learnt. Conjugate (normal, inverse
 // chi-square), the statement counting as one landmark; the result is the Gaussian with the moments
 // of the predictive Student distribution, which is wider the smaller the sample. The statement
 // itself with fewer than three established landmarks. `seen` is reordered, and what is much nearer

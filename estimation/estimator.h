@@ -62,7 +62,7 @@ struct FrameReport {
   int accepted = 0;     // measurements of landmarks in the state that passed the gate
   int rejected = 0;     // those that did not
   int out_of_view = 0;  // measured, but predicted behind the camera or far outside the image
-  int admitted = 0;     // landmarks born
+  int admitted = 0;     // landmarks initialised
   std::vector<LandmarkEstimate> retired;  // the last word on each landmark removed
   double nis_sum = 0.0;  // sum over the accepted of their 2-dof normalised innovation squared
   int state_size = 0;    // dimension of the error state after the frame

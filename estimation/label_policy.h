@@ -3,7 +3,7 @@
 // `one_way` is the thesis's rule (3.1.3): what has been decided stands. With `reversible` a static
 // landmark whose latest innovations reject it is unknown again, its motion's prior restored; and a
 // moving one is asked again in every frame, so that one that has stopped becomes static. A moving
-// point that is kept as static bends the whole map until it is lost.
+// point that is kept as static bends the whole map until it is pruned.
 #pragma once
 
 #include "estimation/options.h"

@@ -3,9 +3,9 @@
 // `standard`: at the newest estimate.
 //
 // `fej`: at first estimates (Huang, Mourikis & Roumeliotis 2008). What is predicted (camera, free
-// landmarks) where it was predicted to be, anchors where they were born, static landmarks where
-// they were when their depth was first known to a tenth: at its birth a depth is a guess, and fixed
-// there everything diverges. Anchors and settled landmarks then have one point for ever. The
+// landmarks) where it was predicted to be, anchors where they were initialised, static landmarks
+// where they were when their depth was first known to a tenth: at its birth a depth is a guess, and
+// fixed there everything diverges. Anchors and settled landmarks then have one point for ever. The
 // camera's F is not matched to the points on both sides of a prediction, so a heading is still
 // invented.
 //
@@ -50,7 +50,7 @@ class Linearisation {
   // The state was predicted to the frame `frame`, dt after the one before.
   void predicted(const JointState& state, int frame, double dt);
 
-  // A landmark is about to be born: its Jacobians, and its point from now on. `here` is what
+  // A landmark is about to be initialised: its Jacobians, and its point from now on. `here` is what
   // initialise() gives at the estimate.
   NewLandmark birth(const JointState& state, const Camera& camera, const Observation& z, int frame,
                     const NewLandmark& here);

@@ -1,9 +1,9 @@
 // The joint state chi = (camera, anchors, landmarks) of the EKF, thesis (2.1), with its covariance.
 //
-// Landmarks born in one frame share one anchor: its rows are identical for all of them for ever, so
-// they are stored once. Layout of the error state: camera 12, the scene's depth (1) when it is to
-// be learnt, the adjoint of the far part where there is one (far_part.h), then in any order an
-// anchor (3), the y of a landmark (3), the w of a free one.
+// Landmarks initialised in one frame share one anchor: its rows are identical for all of them for
+// ever, so they are stored once. Layout of the error state: camera 12, the scene's depth (1) when
+// it is to be learnt, the adjoint of the far part where there is one (far_part.h), then in any
+// order an anchor (3), the y of a landmark (3), the w of a free one.
 #pragma once
 
 #include <map>
@@ -46,7 +46,7 @@ struct FilterScene {
 struct JointState {
   CameraState camera;
   std::optional<FilterScene> scene;
-  std::map<int, FilterAnchor> anchors;      // by the index of the frame they were born in
+  std::map<int, FilterAnchor> anchors;      // by the index of the frame that initialised them
   std::map<int, FilterLandmark> landmarks;  // by track
   JointCovariance covariance;               // of all but the far part
   FarPart far;
