@@ -1,5 +1,5 @@
 // A lens, as docs/extending.md adds one: what stands between the `example` and `end` lines is
-// quoted there, and that it compiles is half the test.
+// named there, and that it compiles is half the test.
 #include <gtest/gtest.h>
 
 #include "models/camera.h"
