@@ -1,6 +1,6 @@
 // Landmarks from birth to pruning, the same for every estimator family: which measurements become
-// landmarks, how each is labelled, when a label is reverted, and when a landmark is pruned. It holds
-// the records and the policies; what is believed it asks of the belief.
+// landmarks, how each is labelled, when a label is reverted, and when a landmark is pruned. It
+// holds the records and the policies; what is believed it asks of the belief.
 #pragma once
 
 #include <memory>
