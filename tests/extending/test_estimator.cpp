@@ -1,5 +1,5 @@
 // An estimator, as docs/extending.md adds one: what stands between the `example` and `end` lines is
-// quoted there (`driving` is only named), and that it compiles is half the test.
+// named there and its row quoted, and that it compiles is half the test.
 #include <gtest/gtest.h>
 
 #include "eval/configuration/registry.h"
