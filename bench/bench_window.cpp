@@ -23,7 +23,7 @@ void window_frame(benchmark::State& state) {
                                 .visible = static_cast<int>(state.range(0))};
   const Corridor corridor = make_corridor(options);
   Configuration configuration = corridor_configuration(options);
-  configuration.model.policy.retain = Retain::kWindow;
+  configuration.model.policy.retain = Retain::kVisible;
   configuration.window.frames = static_cast<int>(state.range(1));
   for (auto _ : state) {
     const FrameTimes window =
@@ -59,7 +59,7 @@ void static_window(benchmark::State& state) {
                                 .moving_fraction = 0.0};
   const Corridor corridor = make_corridor(options);
   Configuration configuration = corridor_configuration(options);
-  configuration.model.policy.retain = Retain::kWindow;
+  configuration.model.policy.retain = Retain::kVisible;
   configuration.model.classifier.name = "all_static";
   configuration.model.labels.rule = LabelRule::kOneWay;
   Configuration converged =

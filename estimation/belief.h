@@ -57,10 +57,11 @@ class Belief {
   // The measurement update with what passed the gate, a part of innovations() in its order.
   virtual void update(const TrackRecords& records, std::span<const Observation> accepted) = 0;
 
-  // After update(): of its measurements of static landmarks.
+  // After update(): of its measurements, those of static landmarks at least.
   virtual void leave_one_out(std::vector<LeaveOneOut>& result) = 0;
 
-  // Marginals of landmarks that update() used: rho of static ones at their birth, w of free ones.
+  // Marginals of landmarks that update() used: rho of static ones at first sight, w of free ones.
+  // The manager fills in MotionBelief::prior_sigmas.
   virtual void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) = 0;
   virtual void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) = 0;
 
@@ -73,7 +74,9 @@ class Belief {
 
   virtual void remove(std::span<const int> tracks, const TrackRecords& records) = 0;
 
-  // A landmark enters at its first pixel, thesis 2.1.3. False when the pixel has no ray.
+  // A landmark enters at its first pixel, thesis 2.1.3. False when the pixel has no ray. With
+  // Setup::prior.mean_sigma > 0 the mean of its inverse depth is a variable of the belief, and that
+  // of `prior` is not used.
   virtual bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) = 0;
 
   // At the end of a frame, whatever is left to check.

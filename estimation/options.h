@@ -4,15 +4,37 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace slammot {
 
-// The closed choices of the configuration. Their names in text stand in
-// eval/configuration/configuration_keys.cpp alone.
-enum class LabelRule { kOneWay, kReversible };  // for ever (thesis) | withdrawn when rejected
-enum class Collapse { kDrop, kCondition };      // on static: marginalise v (thesis) | use v = 0
-enum class Retain { kMap, kWindow };  // static landmarks stay while unseen | are pruned too
-enum class DepthPriorSource { kAuto, kEmpirical, kFixed };  // see depth_prior.h
+// A closed choice with its name in configurations.
+template <typename Enum>
+struct Choice {
+  std::string_view name;
+  Enum value;
+};
+
+// Labels stay for ever (thesis), or are reverted when rejected.
+enum class LabelRule { kOneWay, kReversible };
+inline constexpr Choice<LabelRule> kLabelRules[] = {{"one_way", LabelRule::kOneWay},
+                                                    {"reversible", LabelRule::kReversible}};
+
+// On static: marginalise w (thesis), or use w = 0.
+enum class Collapse { kDrop, kCondition };
+inline constexpr Choice<Collapse> kCollapses[] = {{"drop", Collapse::kDrop},
+                                                  {"condition", Collapse::kCondition}};
+
+// Static landmarks stay while unseen, or are pruned as others are.
+enum class Retain { kMap, kVisible };
+inline constexpr Choice<Retain> kRetains[] = {{"map", Retain::kMap}, {"visible", Retain::kVisible}};
+
+// See depth_prior.h.
+enum class DepthPriorSource { kAuto, kEmpirical, kFixed };
+inline constexpr Choice<DepthPriorSource> kDepthPriorSources[] = {
+    {"auto", DepthPriorSource::kAuto},
+    {"fixed", DepthPriorSource::kFixed},
+    {"empirical", DepthPriorSource::kEmpirical}};
 
 // Admission, removal and the size of the map; see track_policy.h.
 struct TrackPolicy {
@@ -32,7 +54,7 @@ struct ClassifierOptions {
   double moving_factor = 0.01;   // bayes_factor: odds for v = 0 below which it is moving
 };
 
-// Whether labels may be taken back; see label_policy.h.
+// Whether labels may be reverted; see label_policy.h.
 struct LabelOptions {
   LabelRule rule = LabelRule::kReversible;
   int window = 10;            // reversible: innovations in the test of a static label
@@ -40,7 +62,7 @@ struct LabelOptions {
 };
 
 struct ModelOptions {
-  std::string landmark = "scaled_velocity";  // a row of the estimators' landmark tables
+  std::string landmark = "scaled_velocity";  // a row of landmark_table()
   Collapse collapse = Collapse::kCondition;
   double gate_probability = 0.95;  // of a correct measurement passing the chi-square gate
   ClassifierOptions classifier;

@@ -14,7 +14,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       linearisation_(options.linearisation, functions_, setup.truth) {
   if (options.deferred && options.linearisation == FilterLinearisation::kInvariant) {
     throw std::invalid_argument(
-        "ekf.deferred cannot go with linearisation invariant, which changes far rows at each "
+        "ekf.deferred cannot go with linearisation invariant, which changes passive rows at each "
         "update");
   }
   if (options.deferred && functions_.motion != 3) {
@@ -138,7 +138,7 @@ bool Ekf::add(const Observation& z, const LandmarkPrior& prior, bool is_free) {
 // Without a positive diagonal nothing that follows means anything.
 void Ekf::finish() {
   const auto diagonal = state_.covariance.diagonal();
-  const StateBlock adjoint = state_.far.adjoint();  // no covariance stands there
+  const StateBlock adjoint = state_.passive.adjoint();  // no covariance stands there
   const auto positive = [](const auto& d) { return d.size() == 0 || d.minCoeff() >= 0.0; };
   if (!diagonal.allFinite() || !positive(diagonal.head(adjoint.offset)) ||
       !positive(diagonal.tail(diagonal.size() - adjoint.end()))) {
@@ -151,7 +151,7 @@ CameraEstimate Ekf::camera() const {
 }
 
 void Ekf::points(std::vector<LandmarkPoint>& result) {
-  state_.correct_far();
+  state_.correct_passive();
   result.clear();
   for (const auto& [track, landmark] : state_.landmarks) {
     result.push_back({track, state_.anchors.at(landmark.anchor).position, landmark.y});

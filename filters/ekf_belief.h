@@ -44,8 +44,8 @@ class Ekf final : public Belief {
 
   // ekf_passive.cpp: what of the map is updated at once, with the option `deferred`.
   void divide(const Frame& frame);
-  void rest();
-  int find_resting();
+  void deactivate();
+  int find_passive();
 
   Setup setup_;
   EkfOptions options_;
@@ -55,15 +55,15 @@ class Ekf final : public Belief {
   Linearisation linearisation_;
   int frame_ = 0;           // Frame::index of the newest
   int frames_ = 0;          // predicted so far
-  double overspent_ = 0.0;  // since the last fold, by `deferred`
+  double overspent_ = 0.0;  // since the last synchronisation, by `deferred`
 
   // Of the frame in hand; kept for their memory.
   Innovation innovation_, alone_;
   std::size_t measured_ = 0;  // how many were, in view
   std::vector<Observation> counting_, pending_;
   std::vector<double> nis_;
-  std::vector<int> tracks_;   // to remove, or to rest
-  std::vector<int> anchors_;  // of landmarks that stay near
+  std::vector<int> tracks_;   // to remove, or to deactivate
+  std::vector<int> anchors_;  // of landmarks that stay active
 };
 
 }  // namespace slammot

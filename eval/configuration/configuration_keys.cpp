@@ -67,18 +67,12 @@ ConfigurationKey number(std::string name, std::string help, Range range, Field f
           [=](const Configuration& c) -> std::string { return to_text(field(c)); }};
 }
 
-// One of a closed list of choices, each with its name.
-template <typename Enum>
-struct Choice {
-  std::string name;
-  Enum value;
-};
-
+// One of a closed list of choices (estimation/options.h).
 template <typename Enum, typename Field>
 ConfigurationKey option(std::string name, const std::string& help,
                         std::vector<Choice<Enum>> choices, Field field) {
   std::vector<std::string> names;
-  for (const auto& c : choices) names.push_back(c.name);
+  for (const auto& c : choices) names.emplace_back(c.name);
   const std::string all = fmt::format("{}", fmt::join(names, ", "));
   auto set = [=](Configuration& c, const std::string& text) {
     const auto found = std::find(names.begin(), names.end(), text);
@@ -89,7 +83,7 @@ ConfigurationKey option(std::string name, const std::string& help,
   };
   auto get = [=](const Configuration& c) -> std::string {
     for (const auto& choice : choices) {
-      if (choice.value == field(c)) return choice.name;
+      if (choice.value == field(c)) return std::string(choice.name);
     }
     throw std::logic_error("a choice without a name");
   };
@@ -123,6 +117,11 @@ ConfigurationKey flag(std::string name, const std::string& help, Field field) {
           [=](const Configuration& c) -> std::string { return field(c) ? "true" : "false"; }};
 }
 
+template <typename Enum, std::size_t N>
+std::vector<Choice<Enum>> listed(const Choice<Enum> (&choices)[N]) {
+  return {std::begin(choices), std::end(choices)};
+}
+
 #define SLAMMOT_FIELD(path) \
   [](auto& c) -> auto& { return c.path; }
 
@@ -135,8 +134,7 @@ std::vector<ConfigurationKey> model_keys() {
       choice("landmark", "landmark model", names_of(landmark_list()),
              SLAMMOT_FIELD(model.landmark)),
       option<Collapse>("collapse", "on static, marginalise the velocity or use v = 0",
-                       {{"drop", Collapse::kDrop}, {"condition", Collapse::kCondition}},
-                       SLAMMOT_FIELD(model.collapse)),
+                       listed(kCollapses), SLAMMOT_FIELD(model.collapse)),
       number("gate.probability", "of a correct measurement passing the gate", kInsideUnit,
              SLAMMOT_FIELD(model.gate_probability)),
       choice("classifier", "who labels the landmarks", names_of(classifier_list()),
@@ -151,8 +149,7 @@ std::vector<ConfigurationKey> model_keys() {
              SLAMMOT_FIELD(model.classifier.moving_factor)),
       option<LabelRule>("labels",
                         "kept for ever (thesis), or reverted when innovations reject them",
-                        {{"one_way", LabelRule::kOneWay}, {"reversible", LabelRule::kReversible}},
-                        SLAMMOT_FIELD(model.labels.rule)),
+                        listed(kLabelRules), SLAMMOT_FIELD(model.labels.rule)),
       number("labels.window", "reversible: innovations in the test of a static label", kPositive,
              SLAMMOT_FIELD(model.labels.window)),
       number("labels.probability", "reversible: of a right static label being rejected in a frame",
@@ -168,15 +165,14 @@ std::vector<ConfigurationKey> model_keys() {
              SLAMMOT_FIELD(model.policy.prune_missed_after)),
       option<Retain>("policy.retain",
                      "static landmarks stay in the map, or are pruned as others are",
-                     {{"map", Retain::kMap}, {"visible", Retain::kWindow}},
-                     SLAMMOT_FIELD(model.policy.retain)),
+                     listed(kRetains), SLAMMOT_FIELD(model.policy.retain)),
   };
 }
 
 std::vector<Choice<NoiseDiscretisation>> motion_choices() {
   std::vector<Choice<NoiseDiscretisation>> choices;
   for (const MotionRow& row : motion_table()) {
-    choices.push_back({std::string(row.name), row.discretisation});
+    choices.push_back({row.name, row.discretisation});
   }
   return choices;
 }
@@ -194,10 +190,7 @@ std::vector<ConfigurationKey> statement_keys() {
           "prior.source",
           "rho0 and its sigma as given, or learnt from the landmarks in view (empirical); auto: "
           "empirical where a landmark is known beforehand",
-          {{"auto", DepthPriorSource::kAuto},
-           {"fixed", DepthPriorSource::kFixed},
-           {"empirical", DepthPriorSource::kEmpirical}},
-          SLAMMOT_FIELD(model.depth_prior)),
+          listed(kDepthPriorSources), SLAMMOT_FIELD(model.depth_prior)),
       number("prior.inverse_depth", "rho0 of new landmarks [1/m]", kNotNegative,
              SLAMMOT_FIELD(prior.inverse_depth)),
       number("prior.inverse_depth_sigma", "its standard deviation [1/m]", kPositive,

@@ -92,7 +92,8 @@ Configuration resolved(const Setup& setup, Configuration configuration) {
   configuration.motion.acceleration = setup.camera_noise.acceleration;
   configuration.motion.angular_acceleration = setup.camera_noise.angular_acceleration;
   configuration.prior = {setup.prior.inverse_depth, setup.prior.inverse_depth_sigma,
-                         setup.prior.mean_sigma, setup.prior.max_speed, setup.prior.acceleration, setup.prior.jerk};
+                         setup.prior.mean_sigma,    setup.prior.max_speed,
+                         setup.prior.acceleration,  setup.prior.jerk};
   configuration.initial = {setup.initial.velocity_sigma, setup.initial.angular_velocity_sigma};
   return configuration;
 }

@@ -16,11 +16,11 @@
 
 namespace slammot {
 
-// A run of rows (and columns) of P; of the far part's P where it is `far` (far_part.h).
+// A run of rows (and columns) of P; of the passive map's P where it is `passive` (passive_map.h).
 struct StateBlock {
   int offset = 0;
   int dim = 0;
-  bool far = false;
+  bool passive = false;
   int end() const { return offset + dim; }
 };
 

@@ -8,14 +8,15 @@ void JointState::move(Eigen::Ref<const Eigen::VectorXd> dx) {
   camera = boxplus(camera, Vector12d(dx.head<kCameraDim>()));
   if (scene) scene->inverse_depth += dx(scene->block.offset);
   for (auto& [frame, anchor] : anchors) {
-    if (!anchor.block.far) anchor.position += dx.segment<3>(anchor.block.offset);
+    if (!anchor.block.passive) anchor.position += dx.segment<3>(anchor.block.offset);
   }
   for (auto& [track, landmark] : landmarks) {
-    if (landmark.is_far()) continue;
+    if (landmark.is_passive()) continue;
     landmark.y += dx.segment<3>(landmark.y_block.offset);
     if (landmark.is_free()) landmark.w += dx.segment(landmark.w_block.offset, landmark.w_block.dim);
   }
-  if (!far.empty()) far.correct(dx.segment(far.adjoint().offset, far.adjoint().dim));
+  if (!passive.empty())
+    passive.correct(dx.segment(passive.adjoint().offset, passive.adjoint().dim));
 }
 
 void JointState::correct(Eigen::Ref<const Eigen::VectorXd> dx) {
@@ -25,7 +26,7 @@ void JointState::correct(Eigen::Ref<const Eigen::VectorXd> dx) {
 
 void JointState::follow(StateBlock from, StateBlock to) {
   const auto moved = [&](StateBlock& b) {
-    if (b.offset == from.offset && b.far == from.far) b = to;
+    if (b.offset == from.offset && b.passive == from.passive) b = to;
   };
   for (auto& [frame, anchor] : anchors) moved(anchor.block);
   for (auto& [track, landmark] : landmarks) {
@@ -36,7 +37,7 @@ void JointState::follow(StateBlock from, StateBlock to) {
 
 bool JointState::is_last(int dim) const {
   const int end = covariance.size();
-  const auto ends_it = [&](StateBlock b) { return !b.far && b.end() == end && b.dim == dim; };
+  const auto ends_it = [&](StateBlock b) { return !b.passive && b.end() == end && b.dim == dim; };
   return std::ranges::any_of(anchors, [&](const auto& a) { return ends_it(a.second.block); }) ||
          std::ranges::any_of(landmarks, [&](const auto& l) {
            return ends_it(l.second.y_block) || ends_it(l.second.w_block);
@@ -45,10 +46,10 @@ bool JointState::is_last(int dim) const {
 
 // The last block moves into its place; where that has another size, all rows behind it move up.
 void JointState::remove_block(StateBlock block) {
-  if (!block.far && !is_last(block.dim)) {
+  if (!block.passive && !is_last(block.dim)) {
     covariance.close_gap(block);
     const auto moved_up = [&](StateBlock& b) {
-      if (!b.far && b.dim > 0 && b.offset > block.offset) b.offset -= block.dim;
+      if (!b.passive && b.dim > 0 && b.offset > block.offset) b.offset -= block.dim;
     };
     for (auto& [frame, anchor] : anchors) moved_up(anchor.block);
     for (auto& [track, landmark] : landmarks) {
@@ -57,7 +58,7 @@ void JointState::remove_block(StateBlock block) {
     }
     return;
   }
-  const auto moved = block.far ? far.remove(block) : covariance.remove(block);
+  const auto moved = block.passive ? passive.remove(block) : covariance.remove(block);
   if (moved) follow(*moved, block);
 }
 

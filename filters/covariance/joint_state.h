@@ -2,16 +2,16 @@
 //
 // Landmarks initialised in one frame share one anchor: its rows are identical for all of them for
 // ever, so they are stored once. Layout of the error state: camera 12, the scene's depth (1) when
-// it is to be learnt, the adjoint of the far part where there is one (far_part.h), then in any
-// order an anchor (3), the y of a landmark (3), the w of a free one.
+// it is to be learnt, the adjoint of the passive map where there is one (passive_map.h), then in
+// any order an anchor (3), the y of a landmark (3), the w of a free one.
 #pragma once
 
 #include <map>
 #include <optional>
 #include <span>
 
-#include "filters/covariance/far_part.h"
 #include "filters/covariance/joint_covariance.h"
+#include "filters/covariance/passive_map.h"
 #include "models/landmarks/landmark.h"
 
 namespace slammot {
@@ -31,7 +31,7 @@ struct FilterLandmark {
   StateBlock w_block;  // empty when static
 
   bool is_free() const { return w_block.dim > 0; }
-  bool is_far() const { return y_block.far; }
+  bool is_passive() const { return y_block.passive; }
   int dim() const { return y_block.dim + w_block.dim; }
   LandmarkVector x() const { return landmark_state(y, w); }
 };
@@ -48,8 +48,8 @@ struct JointState {
   std::optional<FilterScene> scene;
   std::map<int, FilterAnchor> anchors;      // by the index of the frame that initialised them
   std::map<int, FilterLandmark> landmarks;  // by track
-  JointCovariance covariance;               // of all but the far part
-  FarPart far;
+  JointCovariance covariance;               // of all but the passive map
+  PassiveMap passive;
 
   static constexpr StateBlock kCamera{0, kCameraDim};
   static constexpr StateBlock kPose{0, 6};
@@ -61,20 +61,20 @@ struct JointState {
   // The same without touching P: for an iterate.
   void move(Eigen::Ref<const Eigen::VectorXd> dx);
 
-  // Rows of the error state, those of the far part included.
-  int size() const { return covariance.size() - far.adjoint().dim + far.size(); }
+  // Rows of the error state, those of the passive map included.
+  int size() const { return covariance.size() - passive.adjoint().dim + passive.size(); }
 
   // The covariance of (anchor, y, w) of a landmark.
   Eigen::MatrixXd marginal(const FilterLandmark& landmark) const;
 
-  // joint_state_far.cpp. Static landmarks, in the order of their tracks, and anchors that no near
-  // one uses then, go to the far part; a far landmark comes back with its anchor. Rows of near
-  // landmarks may move.
-  void rest(const std::vector<int>& tracks);
-  void bring_back(int track);
+  // joint_state_passive.cpp. Static landmarks, in the order of their tracks, and anchors that no
+  // active one uses then, go to the passive map; a passive landmark comes back with its anchor.
+  // Rows of active landmarks may move.
+  void deactivate(const std::vector<int>& tracks);
+  void reactivate(int track);
 
-  // The estimates of the far part follow what was corrected since this was last done.
-  void correct_far();
+  // The estimates of the passive map follow what was corrected since this was last done.
+  void correct_passive();
 
   // Removes landmarks, and anchors that nobody uses any more.
   void remove_landmarks(std::span<const int> tracks);
@@ -90,7 +90,7 @@ struct JointState {
   void follow(StateBlock from, StateBlock to);
   void remove_block(StateBlock block);
   bool is_last(int dim) const;  // whether the last rows are one block of this size
-  StateBlock bring_back(StateBlock block);
+  StateBlock reactivate(StateBlock block);
 };
 
 }  // namespace slammot

@@ -99,7 +99,7 @@ TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
   fixed.unused_frames = 10000;
   EXPECT_FALSE(is_pruned(fixed, policy));  // it stays in the map
   TrackPolicy window = policy;
-  window.retain = Retain::kWindow;
+  window.retain = Retain::kVisible;
   EXPECT_TRUE(is_pruned(fixed, window));
   for (int i = 0; i < policy.prune_missed_after; ++i) note_unused(fixed, true);
   note_unused(fixed, false);

@@ -103,7 +103,7 @@ TEST(Configuration, OldNamesAreReadAndNewOnesWritten) {
   assign(c, {"prior.source", "map"});
   EXPECT_EQ(c.model.depth_prior, DepthPriorSource::kEmpirical);
   assign(c, {"policy.retain", "window"});
-  EXPECT_EQ(c.model.policy.retain, Retain::kWindow);
+  EXPECT_EQ(c.model.policy.retain, Retain::kVisible);
   assign(c, {"policy.retain", "map"});
   for (const auto& [key, value] : key_values(c)) {
     EXPECT_EQ(with_present_names({key, value, 0}).key, key);

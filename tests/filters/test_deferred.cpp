@@ -1,4 +1,4 @@
-// The EKF whose far part is updated when it returns (far_part.h) is the EKF.
+// The EKF whose passive map is updated when it returns (passive_map.h) is the EKF.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,10 +42,10 @@ double difference(const std::vector<LandmarkEstimate>& a, const std::vector<Land
   return worst;
 }
 
-// What the far part did in a run.
+// What the passive map did in a run.
 struct Used {
   int returns = 0;     // frames in which some of it came back
-  int retired = 0;     // landmarks given up while far
+  int retired = 0;     // landmarks pruned while passive
   int largest = 0;     // rows
   double share = 0.0;  // of the state's rows, then
 };
@@ -55,26 +55,26 @@ class Observed {
   explicit Observed(const Ekf& ekf) : state_(ekf.state()) {}
 
   void before_frame() {
-    far_.clear();
+    passive_.clear();
     for (const auto& [track, l] : state_.landmarks) {
-      if (l.is_far()) far_.insert(track);
+      if (l.is_passive()) passive_.insert(track);
     }
   }
 
   void after_frame(const FrameReport& report, Used& used) const {
-    for (const LandmarkEstimate& l : report.retired) used.retired += far_.contains(l.track);
-    used.returns += std::ranges::any_of(far_, [&](int track) {
+    for (const LandmarkEstimate& l : report.retired) used.retired += passive_.contains(l.track);
+    used.returns += std::ranges::any_of(passive_, [&](int track) {
       const auto l = state_.landmarks.find(track);
-      return l != state_.landmarks.end() && !l->second.is_far();
+      return l != state_.landmarks.end() && !l->second.is_passive();
     });
-    if (state_.far.size() <= used.largest) return;
-    used.largest = state_.far.size();
+    if (state_.passive.size() <= used.largest) return;
+    used.largest = state_.passive.size();
     used.share = used.largest / static_cast<double>(state_.size());
   }
 
  private:
   const JointState& state_;
-  std::set<int> far_;  // tracks
+  std::set<int> passive_;  // tracks
 };
 
 struct Case {
@@ -140,13 +140,15 @@ TEST_P(DeferredCase, IsTheEkf) {
   }
   worst_landmark =
       std::max(worst_landmark, difference(deferred.loop.landmarks(), plain.loop.landmarks()));
-  const int folds = deferred.ekf.state().far.folds();
+  const int synchronisations = deferred.ekf.state().passive.synchronisations();
   std::printf("largest difference: camera %.1e, landmarks %.1e [sigma]\n", worst, worst_landmark);
-  std::printf("%d folds, %d frames with returns, %d given up far, at most %d rows far, %.0f%%\n",
-              folds, used.returns, used.retired, used.largest, 100.0 * used.share);
+  std::printf(
+      "%d synchronisations, %d frames with returns, %d pruned while passive, at most %d rows "
+      "passive, %.0f%%\n",
+      synchronisations, used.returns, used.retired, used.largest, 100.0 * used.share);
   EXPECT_LT(worst, kSame);
   EXPECT_LT(worst_landmark, kSame);
-  EXPECT_GE(folds, 4);
+  EXPECT_GE(synchronisations, 4);
   EXPECT_GE(used.returns, 20);
   EXPECT_GE(used.retired, 1);
   EXPECT_GT(used.share, 0.6);
