@@ -92,20 +92,26 @@ class TruthClassifier final : public Classifier {
 };
 
 using Options = ClassifierOptions;
-using Truth = std::map<int, Label>;
+using TrueLabels = std::map<int, Label>;
 using Made = std::unique_ptr<Classifier>;
 
 constexpr ClassifierRow kTable[] = {
     {"thesis", "density at v = 0 over t_s: static; Mahalanobis distance over t_m: moving",
-     [](const Options& o, const Truth&) -> Made { return std::make_unique<ThesisClassifier>(o); }},
+     [](const Options& o, const TrueLabels&) -> Made {
+       return std::make_unique<ThesisClassifier>(o);
+     }},
     {"bayes_factor", "Savage-Dickey ratio of static to free; no unit, no scale",
-     [](const Options& o, const Truth&) -> Made {
+     [](const Options& o, const TrueLabels&) -> Made {
        return std::make_unique<BayesFactorClassifier>(o);
      }},
     {"all_static", "every landmark is static",
-     [](const Options&, const Truth&) -> Made { return std::make_unique<AllStaticClassifier>(); }},
+     [](const Options&, const TrueLabels&) -> Made {
+       return std::make_unique<AllStaticClassifier>();
+     }},
     {"truth", "labels of the ground truth, from birth",
-     [](const Options&, const Truth& t) -> Made { return std::make_unique<TruthClassifier>(t); }},
+     [](const Options&, const TrueLabels& t) -> Made {
+       return std::make_unique<TruthClassifier>(t);
+     }},
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "estimation/landmark_manager.h"
 
+#include "models/landmarks/true_state.h"
 #include "models/observation.h"
 
 namespace slammot {
@@ -92,18 +93,17 @@ void LandmarkManager::revert_labels(std::span<const Observation> measured, Belie
 // learnt, and so the covariance, must then not depend on the estimate.
 bool LandmarkManager::expected_in_view(int frame, const CameraState& camera,
                                        const LandmarkPoint& point) const {
-  if (truth_) {
-    const auto landmark = truth_->landmarks.find(point.track);
-    const TruePoint* at =
-        landmark == truth_->landmarks.end() ? nullptr : landmark->second.at(frame);
-    if (at != nullptr) {
-      const CameraState& c = truth_->cameras.at(frame);
-      const auto projection =
-          setup_.camera.project(c.orientation.conjugate() * (at->position - c.position));
-      return projection && setup_.camera.in_image(projection->pixel);
-    }
+  if (!truth_) {
+    return in_view(setup_.camera, camera.position, camera.orientation, point.anchor, point.y);
   }
-  return in_view(setup_.camera, camera.position, camera.orientation, point.anchor, point.y);
+  const auto landmark = truth_->landmarks.find(point.track);
+  if (landmark == truth_->landmarks.end()) return false;
+  const TruePoint* at = landmark->second.at(frame);
+  if (at == nullptr) return false;  // out of view a mover has no truth
+  const CameraState& c = true_camera(*truth_, frame);
+  const auto projection =
+      setup_.camera.project(c.orientation.conjugate() * (at->position - c.position));
+  return projection && setup_.camera.in_image(projection->pixel);
 }
 
 void LandmarkManager::prune(int frame, Belief& belief, FrameReport& report) {

@@ -47,7 +47,7 @@ class LandmarkManager {
   std::unique_ptr<Classifier> classifier_;
   DepthPrior depth_prior_;
   std::shared_ptr<const Truth> truth_;
-  std::map<int, KnownLandmark> known_;  // not used yet
+  std::map<int, KnownLandmark> known_;  // stated, not measured yet
   std::optional<int> first_frame_;
   TrackRecords records_;
 

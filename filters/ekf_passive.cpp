@@ -18,7 +18,7 @@ double synchronisation_cost(double active, double adjoint, double passive) {
 }  // namespace
 
 // What is measured comes back at once. What is not is deactivated at the next synchronisation, and
-// a synchronisation comes once the updates of a active part larger than it need be (twice what is
+// a synchronisation comes once the updates of an active part larger than it need be (twice what is
 // kept: the adjoint is as large) have cost what the synchronisation will. A map too small to pay is
 // then never divided, and a synchronisation stays rare where the passive map is large.
 void Ekf::divide(const Frame& frame) {

@@ -13,12 +13,12 @@ namespace {
 // Of all solutions of a batch together; after that it has diverged.
 constexpr int kMaxIterations = 300;
 
+}  // namespace
+
 // A landmark in the batch's graph.
 struct BatchLandmark : LandmarkVariables {
   TrackHistory history;
 };
-
-}  // namespace
 
 class Batch final : public Estimator {
  public:

@@ -12,10 +12,6 @@
 namespace slammot {
 namespace {
 
-Eigen::Vector3d vector_at(const TextTable& table, size_t i) {
-  return {table.real(i), table.real(i + 1), table.real(i + 2)};
-}
-
 int existing_frame(const TextTable& table, size_t i, size_t frames) {
   const int frame = table.count(i);
   if (static_cast<size_t>(frame) >= frames) {

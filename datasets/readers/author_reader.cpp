@@ -29,10 +29,6 @@ void expect(TextTable& table, std::string_view word, size_t count) {
   table.check_count(count);
 }
 
-Eigen::Vector3d vector_at(const TextTable& table, size_t i) {
-  return {table.real(i), table.real(i + 1), table.real(i + 2)};
-}
-
 TimedPose read_pose(const TextTable& table) {
   const Eigen::Quaterniond wxyz(table.real(4), table.real(5), table.real(6), table.real(7));
   const auto q = unit_quaternion(wxyz);

@@ -13,7 +13,7 @@ using Path = std::filesystem::path;
 
 constexpr char kCameras[] = "calib_cam_to_cam.txt";
 
-std::optional<int> camera_number(const Path& folder) {
+std::optional<int> raw_camera_number(const Path& folder) {
   for (int n = 0; n < 4; ++n) {
     if (std::filesystem::exists(folder / fmt::format("image_0{}", n) / "timestamps.txt")) return n;
   }
@@ -63,12 +63,12 @@ std::vector<std::optional<CameraState>> camera_truth(const Sequence& sequence, c
 }  // namespace
 
 bool is_kitti_raw(const Path& folder) {
-  return camera_number(folder).has_value() && calibration_file(folder, kCameras).has_value();
+  return raw_camera_number(folder).has_value() && calibration_file(folder, kCameras).has_value();
 }
 
 Sequence read_kitti_raw(const Path& folder) {
   Sequence sequence = foreign_sequence(folder);
-  const int camera = *camera_number(folder);
+  const int camera = *raw_camera_number(folder);
   const std::string images = fmt::format("image_0{}", camera);
   const std::string ending = image_ending(folder / images / "data", "0000000000");
   const Path times = folder / images / "timestamps.txt";

@@ -2,6 +2,7 @@
 // refused as InputError with file and line.
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -50,5 +51,10 @@ class TextTable {
   std::vector<std::string_view> fields_;
   int line_ = 0;
 };
+
+// Three numbers from field `i` on.
+inline Eigen::Vector3d vector_at(const TextTable& table, size_t i) {
+  return {table.real(i), table.real(i + 1), table.real(i + 2)};
+}
 
 }  // namespace slammot

@@ -25,10 +25,6 @@ Eigen::Matrix<double, N, N> from_upper_triangle(const TextTable& row, size_t fir
   return m;
 }
 
-Eigen::Vector3d vector_at(const TextTable& row, size_t first) {
-  return {row.real(first), row.real(first + 1), row.real(first + 2)};
-}
-
 Eigen::Vector3d vector_or_nan_at(const TextTable& row, size_t first) {
   return {row.real_or_nan(first), row.real_or_nan(first + 1), row.real_or_nan(first + 2)};
 }

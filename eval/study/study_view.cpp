@@ -14,8 +14,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // To a millimetre: it is a picture.
-double rounded(double x) { return std::round(1000.0 * x) / 1000.0; }
-Json point(const Eigen::Vector3d& p) { return {rounded(p.x()), rounded(p.y()), rounded(p.z())}; }
+double to_millimetres(double x) { return std::round(1000.0 * x) / 1000.0; }
+Json point(const Eigen::Vector3d& p) {
+  return {to_millimetres(p.x()), to_millimetres(p.y()), to_millimetres(p.z())};
+}
 
 // Nothing for a landmark at infinity, or so uncertain that its ellipsoid would hide the scene.
 Json landmark_json(const LandmarkEstimate& l) {
@@ -25,11 +27,11 @@ Json landmark_json(const LandmarkEstimate& l) {
   const Eigen::Vector3d half =
       (chi_square_quantile(0.95, 3) * eigen.eigenvalues().cwiseMax(0.0)).cwiseSqrt();
   if (half.maxCoeff() > kWidest) return nullptr;
-  Json json = {static_cast<int>(l.label), rounded(l.position.x()), rounded(l.position.y()),
-               rounded(l.position.z())};
+  Json json = {static_cast<int>(l.label), to_millimetres(l.position.x()),
+               to_millimetres(l.position.y()), to_millimetres(l.position.z())};
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d axis = half(i) * eigen.eigenvectors().col(i);
-    for (int k = 0; k < 3; ++k) json.push_back(rounded(axis(k)));
+    for (int k = 0; k < 3; ++k) json.push_back(to_millimetres(axis(k)));
   }
   return json;
 }

@@ -47,7 +47,7 @@ bool JointState::is_last(int dim) const {
 // The last block moves into its place; where that has another size, all rows behind it move up.
 void JointState::remove_block(StateBlock block) {
   if (!block.passive && !is_last(block.dim)) {
-    covariance.close_gap(block);
+    covariance.close_gap(block);  // camera, scene and adjoint stand before all blocks and stay
     const auto moved_up = [&](StateBlock& b) {
       if (!b.passive && b.dim > 0 && b.offset > block.offset) b.offset -= block.dim;
     };

@@ -45,7 +45,7 @@ Advance FreeLandmarks::advance(const WindowLandmark& l, const LandmarkVector& fr
   return a;
 }
 
-std::vector<Advance> FreeLandmarks::leave_base(WindowLandmark& l, std::set<VariableId>& leaving) {
+std::vector<Advance> FreeLandmarks::release_base(WindowLandmark& l, std::set<VariableId>& leaving) {
   if (l.noises.empty()) {
     leaving.insert(l.y);
     if (l.w) leaving.insert(*l.w);

@@ -31,7 +31,7 @@ class FreeLandmarks {
   // The frame of the base leaves. Before it is marginalised: the substitution that takes the base
   // one step on, or nothing when the chain has ended and all of it leaves. Measurements of later
   // frames are taken out. After: they are put back on the shifted base.
-  std::vector<Advance> leave_base(WindowLandmark& landmark, std::set<VariableId>& leaving);
+  std::vector<Advance> release_base(WindowLandmark& landmark, std::set<VariableId>& leaving);
   void shift_base(WindowLandmark& landmark, VariableId base);
 
   // Steps after the last measurement say nothing; they are removed.

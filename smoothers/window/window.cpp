@@ -179,6 +179,7 @@ void Window::collapse(std::span<const int> tracks) {
     landmark.base = cameras_.newest().position;
     truth_.apply(landmark);
   }
+  optimum_.reset();  // of the graph as it was
   if (!condition_) return;
   graph_.prior().relinearise();
   NormalEquations equations(graph_);

@@ -24,6 +24,8 @@ class Window final : public Belief {
   // Throws std::invalid_argument for an unknown landmark model, linearisation or loss.
   Window(const Setup& setup, const ModelOptions& models, const WindowOptions& options,
          TrackHistories* histories = nullptr);
+  Window(const Window&) = delete;  // its parts refer to its graph
+  Window& operator=(const Window&) = delete;
 
   void predict(const Frame& frame, double dt, StageListener& stages) override;
   void add_known(const KnownLandmark& known) override;

@@ -22,7 +22,7 @@ void Window::marginalise_oldest() {
   std::set<VariableId> leaving{cameras_.oldest().motion};
   std::vector<Advance> advances;
   for (WindowLandmark* landmark : shifting) {
-    for (const Advance& a : free_landmarks_.leave_base(*landmark, leaving)) advances.push_back(a);
+    for (const Advance& a : free_landmarks_.release_base(*landmark, leaving)) advances.push_back(a);
   }
   const std::set<VariableId> inactive = find_inactive(cameras_.oldest(), leaving);
   const WindowFrame oldest = cameras_.leave();

@@ -1,10 +1,10 @@
 // Projects a point, and takes something from every installed library, so that each is really
 // linked.
-#include <slammot/datasets/sequence.h>
-#include <slammot/eval/registry.h>
+#include <slammot/datasets/sequence/sequence.h>
+#include <slammot/eval/configuration/registry.h>
 #include <slammot/filters/ekf.h>
 #include <slammot/models/camera.h>
-#include <slammot/smoothers/window.h>
+#include <slammot/smoothers/window/window.h>
 
 #include <cstdio>
 
