@@ -184,7 +184,7 @@ void Window::collapse(std::span<const int> tracks) {
   graph_.prior().relinearise();
   NormalEquations equations(graph_);
   Step step = equations.step();
-  optimum_.emplace(std::move(equations), std::move(step));
+  optimum_ = OptimiseResult{std::move(equations), std::move(step)};
   graph_.retract(optimum_->last_step);
   estimate_camera();
 }
