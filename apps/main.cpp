@@ -36,6 +36,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  slammot::choose_blas_kernels(argv);
   slammot::prepare_process();
   slammot::remember_command_line(argc, argv);
   CLI::App app{

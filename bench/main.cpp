@@ -4,6 +4,7 @@
 #include "eval/run/process.h"
 
 int main(int argc, char** argv) {
+  slammot::choose_blas_kernels(argv);
   slammot::prepare_process();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

@@ -43,8 +43,8 @@ class Belief {
   virtual ~Belief() = default;
 
   // The time update, thesis 2.1.1 and (2.5), by `dt` [s] since the frame before (0: the first
-  // frame). A smoother also lets the oldest frame leave.
-  virtual void predict(const Frame& frame, double dt, StageListener& stages) = 0;
+  // frame).
+  virtual void predict(const Frame& frame, double dt) = 0;
 
   // A landmark known beforehand enters as static, before the frame's measurements are used.
   virtual void add_known(const KnownLandmark& known) = 0;
@@ -54,8 +54,10 @@ class Belief {
   virtual void innovations(std::span<const Observation> measured,
                            std::vector<PixelInnovation>& result) = 0;
 
-  // The measurement update with what passed the gate, a part of innovations() in its order.
-  virtual void update(const TrackRecords& records, std::span<const Observation> accepted) = 0;
+  // The measurement update with what passed the gate, a part of innovations() in its order. A
+  // smoother first lets the oldest frame leave.
+  virtual void update(const TrackRecords& records, std::span<const Observation> accepted,
+                      StageListener& stages) = 0;
 
   // After update(): of its measurements, those of static landmarks at least.
   virtual void leave_one_out(std::vector<LeaveOneOut>& result) = 0;

@@ -13,14 +13,14 @@ FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, std::unique
 FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
   FrameReport report;
   stages.begin("predict");
-  belief_->predict(frame, time_since_last(frame), stages);
+  belief_->predict(frame, time_since_last(frame));
   manager_.add_known(frame, *belief_, report);
 
   stages.begin("gate");
   gate(frame, report);
 
   stages.begin("update");
-  belief_->update(manager_.records(), accepted_);
+  belief_->update(manager_.records(), accepted_, stages);
 
   // Before labels change: these are marginals of the update.
   stages.begin("marginals");

@@ -31,7 +31,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
 }
 
 // Thesis 2.1.1 for the camera, (2.5) for what may move; a static landmark is not predicted (3.1.3).
-void Ekf::predict(const Frame& frame, double dt, StageListener& /*stages*/) {
+void Ekf::predict(const Frame& frame, double dt) {
   if (options_.deferred) divide(frame);
   frame_ = frame.index;
   ++frames_;
@@ -63,7 +63,8 @@ void Ekf::innovations(std::span<const Observation> measured, std::vector<PixelIn
 }
 
 // One update for all. `delayed`: what is not classified yet moves only itself, after the others.
-void Ekf::update(const TrackRecords& records, std::span<const Observation> accepted) {
+void Ekf::update(const TrackRecords& records, std::span<const Observation> accepted,
+                 StageListener& /*stages*/) {
   const double variance = setup_.pixel_sigma * setup_.pixel_sigma;
   for (const Observation& z : accepted) state_.landmarks.at(z.track).last_used = frames_;
   keep(accepted, innovation_);

@@ -14,11 +14,12 @@ class Ekf final : public Belief {
   // exclude each other.
   Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options);
 
-  void predict(const Frame& frame, double dt, StageListener& stages) override;
+  void predict(const Frame& frame, double dt) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured,
                    std::vector<PixelInnovation>& result) override;
-  void update(const TrackRecords& records, std::span<const Observation> accepted) override;
+  void update(const TrackRecords& records, std::span<const Observation> accepted,
+              StageListener& stages) override;
   void leave_one_out(std::vector<LeaveOneOut>& result) override;
   void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override;
   void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override;

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "estimation/belief.h"
-#include "filters/covariance/growing_matrix.h"
 #include "filters/linearisation.h"
+#include "models/growing_matrix.h"
 #include "models/observation.h"
 
 namespace slammot {

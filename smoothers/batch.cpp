@@ -1,7 +1,7 @@
 #include "smoothers/batch.h"
 
 #include "estimation/frame_loop.h"
-#include "smoothers/factors/factors.h"
+#include "smoothers/graph/least_noise.h"
 #include "smoothers/solver/ceres_solve.h"
 #include "smoothers/window/robust_loss.h"
 #include "smoothers/window/window_belief.h"
@@ -16,7 +16,8 @@ constexpr int kMaxIterations = 300;
 }  // namespace
 
 // A landmark in the batch's graph.
-struct BatchLandmark : LandmarkVariables {
+struct BatchLandmark {
+  LandmarkId id = 0;
   TrackHistory history;
 };
 
@@ -26,8 +27,8 @@ class Batch final : public Estimator {
       : setup_(setup),
         functions_(find_landmark(models.landmark)),
         loss_(make_loss(front.loss)),
-        graph_(false),
-        scene_(add_scene(graph_, setup.prior)) {
+        graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get()}, false) {
+    if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);
     auto window = std::make_unique<Window>(setup, models, front, &histories_);
     window_ = window.get();
     front_ = std::make_unique<FrameLoop>(setup, models, std::move(window), truth_of(setup, front));
@@ -50,7 +51,8 @@ class Batch final : public Estimator {
  private:
   void add_cameras();
   void add_landmark(const TrackHistory& history);
-  void add_chain(BatchLandmark& landmark);
+  void add_birth(const TrackHistory& history, GraphLandmark& landmark);
+  void add_chain(const TrackHistory& history, GraphLandmark& landmark);
   void leave_out_poles();
   double refresh_noises();  // of all landmarks
   void solve();
@@ -64,9 +66,7 @@ class Batch final : public Estimator {
   std::unique_ptr<FrameLoop> front_;
   std::vector<double> timestamps_;
   Graph graph_;
-  MotionManifold motion_manifold_;
-  std::optional<VariableId> scene_;              // as Window's
-  std::vector<VariableId> positions_, motions_;  // by frame
+  std::vector<GraphCamera> cameras_;  // by frame
   std::vector<BatchLandmark> all_;
   std::optional<std::vector<LandmarkEstimate>> landmarks_;
 };
@@ -74,63 +74,60 @@ class Batch final : public Estimator {
 void Batch::add_cameras() {
   const std::vector<CameraState> states = window_->all_cameras();
   for (std::size_t i = 0; i < states.size(); ++i) {
-    Eigen::VectorXd position(3), motion(kMotionSize);
-    camera_to_blocks(states[i], position.data(), motion.data());
-    positions_.push_back(graph_.add_variable(position, nullptr, -1));
-    motions_.push_back(graph_.add_variable(motion, &motion_manifold_, -1));
+    cameras_.push_back(graph_.add_camera(states[i]));
     if (i == 0) {
-      graph_.add_factor({positions_[0], motions_[0]}, initial_camera_cost(setup_.initial));
+      graph_.add_initial(cameras_[0], setup_.initial);
       continue;
     }
     const double dt = timestamps_[i] - timestamps_[i - 1];
     const Matrix12d Q = camera_noise(setup_.camera_noise, states[i - 1], dt);
-    graph_.add_factor({positions_[i - 1], motions_[i - 1], positions_[i], motions_[i]},
-                      camera_motion_cost(Q, dt));
+    graph_.add_motion(cameras_[i - 1], cameras_[i], Q, dt);
   }
 }
 
 void Batch::add_landmark(const TrackHistory& history) {
   if (history.pixels.empty()) return;
-  const int owner = static_cast<int>(all_.size());  // a track may have had several lives
-  BatchLandmark& l = all_.emplace_back();
-  l.history = history;
-  l.anchor = positions_[static_cast<std::size_t>(history.first)];
-  l.y = graph_.add_variable(history.states.front().head<3>(), nullptr, owner);
-  // The window's birth priors, which it may have learnt: the same information.
-  if (history.known) {
-    const auto known = std::ranges::find(setup_.known, history.record.track, &KnownLandmark::track);
-    graph_.add_factor({l.anchor, l.y}, known_landmark_cost(*known));
-  } else {
-    if (scene_) {
-      graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(history.record.prior));
-    } else {
-      graph_.add_factor({l.y}, inverse_depth_prior_cost(history.record.prior));
-    }
-  }
+  const VariableId anchor = cameras_[static_cast<std::size_t>(history.first)].position;
+  const LandmarkId id = graph_.add_landmark(anchor, history.states.front().head<3>());
+  all_.push_back({id, history});
+  GraphLandmark& l = graph_[id];
+  add_birth(history, l);
   if (history.is_free()) {
-    l.w = graph_.add_variable(history.states.front().tail(functions_.motion), nullptr, owner);
-    add_chain(l);
+    graph_.free_landmark(id, functions_.prior_sigmas(history.record.prior));
+    graph_.variables[l.w].value = history.states.front().tail(functions_.motion);
+    add_chain(history, l);
   }
   for (const auto& [frame, pixel] : history.pixels) {
-    const auto k = static_cast<std::size_t>(frame);
-    add_pixel(graph_, l, {positions_[k], motions_[k], pixel, l.w ? frame - history.first : 0},
-              setup_.camera, setup_.pixel_sigma, loss_.get());
+    graph_.add_pixel(id, cameras_[static_cast<std::size_t>(frame)], pixel,
+                     l.is_free() ? frame - history.first : 0);
   }
 }
 
-void Batch::add_chain(BatchLandmark& l) {
-  graph_.add_factor({*l.w}, motion_prior_cost(functions_.prior_sigmas(l.history.record.prior)));
-  l.chain = std::make_shared<Chain>(Chain{&functions_, {}});
-  const int steps = l.history.pixels.back().first - l.history.first;
-  for (int i = 0; i < steps; ++i) {
-    const auto k = static_cast<std::size_t>(l.history.first) + static_cast<std::size_t>(i);
-    l.chain->steps.push_back({timestamps_[k + 1] - timestamps_[k], {}});
+// The window's birth priors, which it may have learnt: the same information.
+void Batch::add_birth(const TrackHistory& history, GraphLandmark& l) {
+  if (history.known) {
+    l.birth.kind = BirthPrior::Kind::kKnown;
+    l.birth.known = *std::ranges::find(setup_.known, history.record.track, &KnownLandmark::track);
+    return;
   }
-  const auto count = static_cast<std::ptrdiff_t>(steps) + 1;
-  const std::vector<LandmarkVector> x(l.history.states.begin(), l.history.states.begin() + count);
-  for (const LandmarkVector& n : lead_through(*l.chain, x, setup_.prior)) {
-    l.noises.push_back(graph_.add_variable(n, nullptr, graph_.variables().at(l.y).owner));
-    graph_.add_factor({l.noises.back()}, noise_prior_cost(functions_.dim()));
+  l.birth.kind = graph_.scene ? BirthPrior::Kind::kSharedDepth : BirthPrior::Kind::kDepth;
+  l.birth.scene = graph_.scene ? graph_.scene->scene : -1;
+  l.birth.inverse_depth = history.record.prior.inverse_depth;
+  l.birth.sigma = history.record.prior.inverse_depth_sigma;
+}
+
+// From the last pixel on a chain says nothing.
+void Batch::add_chain(const TrackHistory& history, GraphLandmark& l) {
+  const auto steps = static_cast<std::size_t>(history.pixels.back().first - history.first);
+  LandmarkVector x = history.states.front();
+  for (std::size_t i = 0; i < steps; ++i) {
+    const auto k = static_cast<std::size_t>(history.first) + i;
+    ChainStep& step = l.chain.emplace_back();
+    step.dt = timestamps_[k + 1] - timestamps_[k];
+    x = functions_.predict(x, step.dt);
+    step.G = functions_.noise_root(x, setup_.prior, step.dt);
+    step.noise = least_noise(step.G, history.states[i + 1] - x);
+    x += step.G * step.noise;
   }
 }
 
@@ -141,19 +138,16 @@ void Batch::leave_out_poles() {
   constexpr double kNear = 0.05;                                            // [m]
   const double steepest = setup_.camera.fx / (kNear * setup_.pixel_sigma);  // of d residual / dr
   graph_.linearise();
-  std::vector<FactorId> out;
-  for (const auto& [id, factor] : graph_.factors()) {
-    const bool is_pixel = factor.r.size() == 2 && factor.variables.size() >= 4;
-    if (is_pixel && (!factor.valid || factor.jacobian(0).norm() > steepest)) out.push_back(id);
+  for (GraphLandmark& l : graph_.landmarks) {
+    std::erase_if(l.pixels, [&](const GraphPixel& pixel) {
+      return !pixel.z.here && (!pixel.valid || pixel.at.J_pose.leftCols<3>().norm() > steepest);
+    });
   }
-  for (const FactorId id : out) graph_.remove_factor(id);
 }
 
 double Batch::refresh_noises() {
   double change = 0.0;
-  for (const BatchLandmark& l : all_) {
-    change = std::max(change, slammot::refresh_noises(graph_, l, setup_.prior));
-  }
+  for (GraphLandmark& l : graph_.landmarks) change = std::max(change, graph_.refresh_noises(l));
   return change;
 }
 
@@ -181,26 +175,35 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
   solve();
   stages.begin("batch_covariances");
   graph_.linearise();
-  const NormalEquations equations(graph_);
+  NormalEquations equations;
+  equations.factorise(graph_, cameras_.back());
   std::vector<CameraEstimate> result;
-  for (std::size_t i = 0; i < positions_.size(); ++i) {  // one by one, or memory fills
-    const std::vector<std::vector<VariableId>> camera{{positions_[i], motions_[i]}};
-    result.push_back(
-        {timestamps_[i],
-         camera_from_blocks(graph_.value(positions_[i]).data(), graph_.value(motions_[i]).data()),
-         equations.covariances(camera).front()});
+  for (std::size_t i = 0; i < cameras_.size(); ++i) {  // one by one, or memory fills
+    result.push_back({timestamps_[i], graph_.camera(cameras_[i]),
+                      equations.camera_covariance(graph_, cameras_[i])});
   }
   landmarks_.emplace();
-  for (const BatchLandmark& l : all_) landmarks_->push_back(estimate(l, equations));
+  for (const BatchLandmark& l : all_) {
+    const LandmarkId one[] = {l.id};
+    equations.prepare(graph_, one);
+    landmarks_->push_back(estimate(l, equations));
+  }
   return result;
 }
 
-LandmarkEstimate Batch::estimate(const BatchLandmark& l, const NormalEquations& equations) const {
-  LandmarkMarginal made = landmark_marginal(graph_, l);
-  const std::vector<StateProjection> forms{std::move(made.projection)};
-  made.belief.covariance = equations.covariances(forms).front();
-  LandmarkEstimate estimate = landmark_estimate(functions_, l.history.record, made.belief);
-  if (l.w) estimate.state_frame = l.history.record.last_frame;  // where its chain ends
+LandmarkEstimate Batch::estimate(const BatchLandmark& landmark,
+                                 const NormalEquations& equations) const {
+  const GraphLandmark& l = graph_[landmark.id];
+  const LandmarkVector x = graph_.newest_state(l);
+  LandmarkBelief belief;
+  belief.anchor = graph_.value(l.anchor);
+  belief.y = x.head<3>();
+  belief.w = x.tail(x.size() - 3);
+  const JointMatrix& P = equations.joint(landmark.id);
+  belief.covariance = P.bottomRightCorner(3 + x.size(), 3 + x.size());
+  LandmarkEstimate estimate = landmark_estimate(functions_, landmark.history.record, belief);
+  if (l.is_free())
+    estimate.state_frame = landmark.history.record.last_frame;  // where its chain ends
   return estimate;
 }
 

@@ -240,6 +240,9 @@ std::vector<ConfigurationKey> estimator_keys() {
                                    {"fej", WindowLinearisation::kFej},
                                    {"ideal", WindowLinearisation::kIdeal}},
                                   SLAMMOT_FIELD(window.linearisation)),
+      option<WindowSolver>("window.solver", "who minimises; ceres: to convergence, and slowly",
+                           {{"own", WindowSolver::kOwn}, {"ceres", WindowSolver::kCeres}},
+                           SLAMMOT_FIELD(window.solver)),
       option<Loss>("window.loss", "on the measurements",
                    {{"none", Loss::kNone}, {"huber", Loss::kHuber}}, SLAMMOT_FIELD(window.loss)),
   };

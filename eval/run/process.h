@@ -7,4 +7,9 @@ namespace slammot {
 // parallel; and memory that is freed is kept, because a frame's matrices are those of the next.
 void prepare_process();
 
+// Before anything else in main(): starts the program anew with the BLAS kernels that fit the
+// processor, where OpenBLAS does not know it. OPENBLAS_CORETYPE, when set, decides. On one machine
+// the same bytes follow either way; machines with other kernels round otherwise.
+void choose_blas_kernels(char** argv);
+
 }  // namespace slammot

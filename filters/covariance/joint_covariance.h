@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "filters/covariance/growing_matrix.h"
+#include "models/growing_matrix.h"
 
 namespace slammot {
 

@@ -7,6 +7,11 @@
 // solves for b only, so its cost does not grow with the map, and nothing is approximated: to
 // deactivate is to factor the joint Gaussian as p(b) p(x | b), to reactivate is to multiply back.
 // In a filter, Guivant and Nebot (2001) call the same idea a compressed update.
+//
+// b changes in every frame, and K and Sigma with it. So that a frame does not pay for the whole
+// map, there are two levels: `near` holds what was deactivated lately, and the stem c, which is
+// what b was when near was last emptied; `far` holds the rest, conditional on c. A frame changes
+// near only. From time to time near is folded into far.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,13 +26,23 @@ class ConditionalMap {
  public:
   static constexpr int kDim = 3;  // of every variable: anchors and y alike, all Euclidean
 
-  bool empty() const { return entries_.empty(); }
-  int dim() const { return kDim * static_cast<int>(entries_.size()); }
-  bool contains(VariableId id) const { return entries_.contains(id); }
+  bool empty() const { return places_.empty(); }
+  int dim() const { return kDim * static_cast<int>(places_.size()); }
+  bool contains(VariableId id) const { return places_.contains(id); }
 
-  // The mean of one variable or of all, given d = b [-] b0.
+  // The mean, given d = b [-] b0.
   SmallVector value(VariableId id, const Eigen::VectorXd& d) const;
-  std::map<VariableId, SmallVector> values(const Eigen::VectorXd& d) const;
+  // The same of every variable, to be asked for one by one.
+  class Values {
+   public:
+    Eigen::Vector3d operator[](VariableId id) const;
+
+   private:
+    friend class ConditionalMap;
+    const ConditionalMap* map_ = nullptr;
+    Eigen::VectorXd near_, far_;
+  };
+  void values(const Eigen::VectorXd& d, Values& result) const;
 
   // The rows of K, and of Sigma with the same columns, of these variables in their order.
   Eigen::MatrixXd gain(const std::vector<VariableId>& ids) const;
@@ -44,45 +59,58 @@ class ConditionalMap {
   void eliminate(const std::vector<int>& columns, const Eigen::MatrixXd& T,
                  const Eigen::MatrixXd& R, const Eigen::VectorXd& r);
 
-  // Variables that become active again, at their mean given d = b [-] b0, and their conditional
-  // U (x - mean - K (b [-] b0)) ~ N(0, I), U upper triangular.
+  // The conditional U (x - mean - K (b [-] b0)) ~ N(0, I) of variables that become active again, U
+  // upper triangular.
   struct Reactivated {
-    std::vector<Variable> variables;
     Eigen::VectorXd mean;
     Eigen::MatrixXd K;
     Eigen::MatrixXd U;
   };
   // Takes `ids` out and conditions the others on them: they become the first columns of K. Throws
   // Diverged when their covariance is not positive definite.
-  Reactivated reactivate(const std::vector<VariableId>& ids, const Eigen::VectorXd& d);
+  Reactivated reactivate(const std::vector<VariableId>& ids);
 
   // Marginalises variables of the map, that is, removes them.
   void forget(const std::vector<VariableId>& ids);
 
   // Follows the prior that is about to be relinearised at the current estimate.
   void relinearise(const MarginalPrior& prior);
-  // The same, and K gets `total` columns: those of each of the prior's variables from columns[id]
-  // on, all others zero.
-  void relinearise(const MarginalPrior& prior, const std::map<VariableId, int>& columns, int total);
+  // The same, and K gets `total` columns: those of each of the prior's variables from
+  // Variable::column on, all others zero.
+  void relinearise(const MarginalPrior& prior, int total);
 
   // Conditions on b_i = 0 for a variable of the prior, and takes its columns out.
   void condition_on_zero(const MarginalPrior::Block& block);
 
  private:
-  struct Entry {
+  // Rows of a Gaussian, three for a variable; vacant ones are zero everywhere.
+  struct Level {
+    Eigen::VectorXd mean;
+    Eigen::MatrixXd K;
+    Eigen::MatrixXd Sigma;  // the lower triangle
+    std::vector<int> vacant;
+
+    int add(int rows);  // where they begin
+    void clear(int row);
+    Eigen::MatrixXd covariance(const std::vector<int>& rows, const std::vector<int>& columns) const;
+  };
+  struct Place {
+    bool is_far = false;
     int row = 0;  // the first
-    Variable variable;
   };
 
-  std::vector<int> rows(const std::vector<VariableId>& ids) const;
-  Eigen::MatrixXd covariance(const std::vector<int>& rows, const std::vector<int>& columns) const;
-  void make_room();
+  std::vector<int> rows(const std::vector<VariableId>& ids, bool is_far) const;
+  void forget_rows(const std::vector<VariableId>& ids);
+  void fold();
+  void start_stem();
+  void lift(const std::vector<VariableId>& ids);
+  void subtract_pending();
 
-  std::map<VariableId, Entry> entries_;
-  std::vector<int> vacant_;  // first rows that no variable has: zero everywhere
-  Eigen::VectorXd mean_;
-  Eigen::MatrixXd K_;
-  Eigen::MatrixXd Sigma_;  // the lower triangle
+  std::map<VariableId, Place> places_;
+  Level near_, far_;         // K of near over the prior's variables, of far over the stem
+  std::vector<int> stem_;    // rows of near, by column of far_.K
+  Eigen::MatrixXd pending_;  // far_.Sigma is less than it says by this times its transpose
+  int pending_cols_ = 0;
 };
 
 }  // namespace slammot

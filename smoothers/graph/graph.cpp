@@ -1,182 +1,175 @@
 #include "smoothers/graph/graph.h"
 
-#include <cmath>
-#include <stdexcept>
+#include "smoothers/graph/least_noise.h"
 
 namespace slammot {
 
+GraphCamera Graph::add_camera(const CameraState& x) {
+  GraphCamera camera;
+  Vector6d rates;
+  rates << x.velocity, x.angular_velocity;
+  camera.position = variables.add(x.position, false, false).id;
+  camera.orientation = variables.add(x.orientation.coeffs(), true, false).id;
+  camera.rates = variables.add(rates, false, false).id;
+  return camera;
+}
+
 namespace {
 
-// What a measurement behind the camera costs: a candidate step that puts it there is refused.
-constexpr double kImpossible = 1e6;
-
-using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using RowMajorSmall =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor, kMaxBlock, kMaxBlock>;
+CameraState camera_state(const SmallVector& position, const SmallVector& orientation,
+                         const SmallVector& rates) {
+  CameraState x;
+  x.position = position;
+  x.orientation.coeffs() = orientation;
+  x.velocity = rates.head<3>();
+  x.angular_velocity = rates.tail<3>();
+  return x;
+}
 
 }  // namespace
 
-VariableId Graph::add_variable(const Eigen::VectorXd& value, const ceres::Manifold* manifold,
-                               int owner) {
-  Variable& variable = variables_[next_variable_];
-  variable.id = next_variable_;
-  variable.value = value;
-  variable.manifold = manifold;
-  variable.owner = owner;
-  return next_variable_++;
+CameraState Graph::camera(const GraphCamera& c) const {
+  return camera_state(variables[c.position].value, variables[c.orientation].value,
+                      variables[c.rates].value);
 }
 
-FactorId Graph::add_factor(std::vector<VariableId> variables,
-                           std::unique_ptr<ceres::CostFunction> cost,
-                           const ceres::LossFunction* loss) {
-  Factor& factor = factors_[next_factor_];
-  factor.variables = std::move(variables);
-  factor.offset = {0};
-  for (const VariableId id : factor.variables) {
-    factor.at.push_back(&variables_.at(id));
-    factor.offset.push_back(factor.offset.back() + factor.at.back()->dim());
-  }
-  factor.cost = std::move(cost);
-  factor.loss = loss;
+CameraState Graph::linearisation_point(const GraphCamera& c) const {
+  return camera_state(variables[c.position].point(), variables[c.orientation].point(),
+                      variables[c.rates].point());
+}
+
+void Graph::add_initial(const GraphCamera& camera, const InitialCamera& prior) {
+  initial.emplace();
+  initial->camera = camera;
+  initial->initial = prior;
+  linearise(*initial);
+}
+
+void Graph::add_motion(const GraphCamera& from, const GraphCamera& to, const Matrix12d& Q,
+                       double dt) {
+  const Matrix12d weight = square_root_information(Q);
+  CameraMotionFactor& factor = motions.emplace_back();
+  factor.from = from;
+  factor.to = to;
+  factor.weight = weight;
+  factor.dt = dt;
   linearise(factor);
-  return next_factor_++;
 }
 
-void Graph::remove_variables(const std::set<VariableId>& ids) {
-  for (const VariableId id : ids) {
-    if (prior_.active.find(id)) throw std::logic_error("the prior still touches this variable");
-    const bool was_active = variables_.erase(id) > 0;
-    if (!was_active && prior_.inactive.contains(id)) prior_.inactive.forget({id});
+void Graph::add_scene(const LandmarkPrior& prior) {
+  const Variable& mean = variables.add(SmallVector::Constant(1, prior.inverse_depth), false, false);
+  scene = {mean.id, prior.inverse_depth, prior.mean_sigma, 0.0};
+}
+
+LandmarkId Graph::add_landmark(VariableId anchor, const Eigen::Vector3d& y) {
+  auto id = static_cast<LandmarkId>(landmarks.size());
+  if (vacant_.empty()) {
+    landmarks.emplace_back();
+  } else {
+    id = vacant_.back();
+    vacant_.pop_back();
   }
+  GraphLandmark& landmark = (*this)[id];
+  landmark.is_alive = true;
+  landmark.anchor = anchor;
+  landmark.y = variables.add(y, false, true).id;
+  return id;
+}
+
+// The slot's lists keep their memory.
+void Graph::remove_landmark(LandmarkId id) {
+  GraphLandmark& landmark = (*this)[id];
+  landmark.is_alive = false;
+  landmark.w = -1;
+  landmark.w_sigmas.resize(0);
+  landmark.chain.clear();
+  landmark.pixels.clear();
+  landmark.birth = {};
+  vacant_.push_back(id);
+}
+
+void Graph::free_landmark(LandmarkId id, const MotionVector& sigmas) {
+  GraphLandmark& landmark = (*this)[id];
+  landmark.w = variables.add(SmallVector::Zero(sigmas.size()), false, true).id;
+  landmark.w_sigmas = sigmas;
+}
+
+void Graph::condition_on_rest(LandmarkId id) {
+  GraphLandmark& l = (*this)[id];
+  prior_.condition_on_zero(l.w);
+  variables.remove(l.w);
+  l.w = -1;
+  l.w_sigmas.resize(0);
+  l.chain.clear();
+  const Variable& y = variables[l.y];
+  for (GraphPixel& pixel : l.pixels) {
+    if (pixel.depth == 0) continue;
+    pixel.depth = 0;
+    linearise_pixel(pixel, l, y.value, y.point());
+  }
+}
+
+void Graph::add_pixel(LandmarkId id, const GraphCamera& camera, const Eigen::Vector2d& pixel,
+                      int depth) {
+  GraphLandmark& landmark = (*this)[id];
+  GraphPixel& added = landmark.pixels.emplace_back();
+  added.position = camera.position;
+  added.orientation = camera.orientation;
+  added.depth = depth;
+  added.z = {pixel, camera.position == landmark.anchor};
 }
 
 void Graph::reactivate(const std::vector<VariableId>& ids) {
   if (ids.empty()) return;
-  auto back = prior_.inactive.reactivate(ids, prior_.active.difference());
-  std::vector<Variable*> variables;
-  for (Variable& v : back.variables) variables.push_back(&(variables_[v.id] = std::move(v)));
-  prior_.active.join(variables, back.mean, back.K, back.U);
+  const Eigen::VectorXd d = prior_.active.difference();
+  for (const VariableId id : ids) variables[id].value = prior_.inactive.value(id, d);
+  const auto back = prior_.inactive.reactivate(ids);
+  std::vector<Variable*> returning;
+  for (const VariableId id : ids) {
+    variables[id].is_active = true;
+    returning.push_back(&variables[id]);
+  }
+  prior_.active.join(returning, back.mean, back.K, back.U);
 }
 
 SmallVector Graph::value(VariableId id) const {
-  const auto active = variables_.find(id);
-  return active != variables_.end() ? active->second.value
-                                    : prior_.inactive.value(id, prior_.active.difference());
+  const Variable& v = variables[id];
+  return v.is_active ? v.value : prior_.inactive.value(id, prior_.active.difference());
 }
 
-std::map<VariableId, SmallVector> values(const Graph& graph) {
-  auto values = graph.prior().inactive.values(graph.prior().active.difference());
-  for (const auto& [id, v] : graph.variables()) values[id] = v.value;
-  return values;
+LandmarkVector Graph::newest_state(const GraphLandmark& l) const {
+  if (!l.is_free()) return value(l.y);
+  LandmarkVector x = landmark_state(variables[l.y].value, variables[l.w].value);
+  for (const ChainStep& step : l.chain) {
+    x = models_.landmark->predict(x, step.dt) + step.G * step.noise;
+  }
+  return x;
 }
 
-double Graph::linearise() {
-  double sum = prior_.active.square();
-  for (auto& [id, factor] : factors_) sum += linearise(factor);
-  return 0.5 * sum;
+std::vector<LandmarkVector> Graph::states(const GraphLandmark& l) const {
+  if (!l.is_free()) return {LandmarkVector(value(l.y))};
+  std::vector<LandmarkVector> x{landmark_state(variables[l.y].value, variables[l.w].value)};
+  for (const ChainStep& step : l.chain) {
+    x.push_back(models_.landmark->predict(x.back(), step.dt) + step.G * step.noise);
+  }
+  return x;
 }
 
-// The residual at the values, and the Jacobians at the linearisation points.
-bool Graph::evaluate(Factor& factor) {
-  const int rows = factor.cost->num_residuals();
-  std::size_t size = 0;
-  for (const Variable* v : factor.at) size += static_cast<std::size_t>(rows * v->value.size());
-  ambient_.resize(size);
-  values_.clear();
-  points_.clear();
-  jacobians_.clear();
-  bool elsewhere = false;
-  double* next = ambient_.data();
-  for (const Variable* v : factor.at) {
-    values_.push_back(v->value.data());
-    points_.push_back(v->point().data());
-    elsewhere = elsewhere || v->linearisation_point;
-    jacobians_.push_back(next);
-    next += rows * v->value.size();
+double Graph::refresh_noises(GraphLandmark& l) {
+  if (!l.is_free()) return 0.0;
+  double change = 0.0;
+  LandmarkVector before = landmark_state(variables[l.y].value, variables[l.w].value);
+  LandmarkVector x = before;
+  for (ChainStep& step : l.chain) {
+    before = models_.landmark->predict(before, step.dt) + step.G * step.noise;
+    x = models_.landmark->predict(x, step.dt);
+    step.G = models_.landmark->noise_root(x, models_.prior, step.dt);
+    const LandmarkVector noise = least_noise(step.G, before - x);
+    x += step.G * noise;
+    change = std::max(change, (noise - step.noise).cwiseAbs().maxCoeff());
+    step.noise = noise;
   }
-  factor.r.resize(rows);
-  const bool valid = factor.cost->Evaluate(points_.data(), factor.r.data(), jacobians_.data());
-  if (!elsewhere) return valid;
-  return factor.cost->Evaluate(values_.data(), factor.r.data(), nullptr) && valid;
-}
-
-double Graph::linearise(Factor& factor) {
-  factor.valid = evaluate(factor);
-  const Eigen::Index rows = factor.r.size();
-  factor.J.resize(rows, factor.offset.back());
-  if (!factor.valid) {
-    factor.J.setZero();
-    factor.r.setZero();
-    return 0.0;
-  }
-  for (std::size_t i = 0; i < factor.at.size(); ++i) {
-    const Variable& v = *factor.at[i];
-    const Eigen::Map<RowMajorMatrix> ambient(jacobians_[i], rows, v.value.size());
-    if (v.manifold) {
-      RowMajorSmall P(v.value.size(), v.dim());
-      v.manifold->PlusJacobian(points_[i], P.data());
-      factor.jacobian(i) = ambient.lazyProduct(P);
-    } else {
-      factor.jacobian(i) = ambient;
-    }
-  }
-  const double square = factor.r.squaredNorm();
-  if (!factor.loss) return square;
-  double rho[3];  // iteratively reweighted: the loss's slope scales the residual
-  factor.loss->Evaluate(square, rho);
-  const double weight = std::sqrt(rho[1]);
-  factor.r *= weight;
-  factor.J *= weight;
-  return rho[0];
-}
-
-double Graph::cost(const Step& step) {
-  for (auto& [id, v] : variables_) v.candidate = v.value;
-  for (const auto& [id, d] : step) {
-    Variable& v = variables_.at(id);
-    v.candidate = plus(v.manifold, v.value, d);
-  }
-  double sum = 0.0;
-  SmallVector r;
-  for (const auto& [id, factor] : factors_) {
-    if (!factor.valid) continue;
-    values_.clear();
-    for (const Variable* v : factor.at) values_.push_back(v->candidate.data());
-    r.resize(factor.cost->num_residuals());
-    if (!factor.cost->Evaluate(values_.data(), r.data(), nullptr)) {
-      sum += kImpossible;
-      continue;
-    }
-    double rho[3] = {r.squaredNorm(), 1.0, 0.0};
-    if (factor.loss) factor.loss->Evaluate(r.squaredNorm(), rho);
-    sum += rho[0];
-  }
-  return 0.5 * (sum + prior_.active.square(&Variable::candidate));
-}
-
-void Graph::retract(const Step& step) {
-  for (auto& [id, v] : variables_) {
-    v.correction.setZero(v.dim());
-    v.turn.reset();
-  }
-  for (const auto& [id, d] : step) {
-    Variable& v = variables_.at(id);
-    const SmallVector before = v.value;
-    v.value = plus(v.manifold, v.value, d);
-    v.correction = d;
-    if (v.manifold && !prior_.first_estimates()) {
-      v.turn = transport(v, before).topLeftCorner<3, 3>();
-    }
-  }
-  for (auto& [id, factor] : factors_) {
-    for (std::size_t i = 0; i < factor.at.size(); ++i) {
-      const Variable& v = *factor.at[i];
-      factor.r += factor.jacobian(i).lazyProduct(v.correction);
-      if (!v.turn) continue;
-      auto rotation = factor.J.middleCols<3>(factor.offset[i]);
-      rotation = (rotation.lazyProduct(*v.turn)).eval();
-    }
-  }
+  return change;
 }
 
 }  // namespace slammot

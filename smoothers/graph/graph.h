@@ -1,113 +1,142 @@
-// The factor graph of a smoother: variables, factors that are Ceres cost functions, and a prior
-// that stands for the factors that have been marginalised. Every factor keeps its last
-// linearisation, expressed at the current estimate; what is solved, marginalised and reported all
-// comes from these same numbers.
-//
-// Why not ceres::Problem and ceres::Solve in the window: see docs/smoother.md. The batch uses both.
+// The factor graph of a smoother: cameras, landmarks, what ties them, and a prior that stands for
+// what has been marginalised. Everything keeps its last linearisation, expressed at the current
+// estimate; what is solved, marginalised and reported all comes from these same numbers.
 #pragma once
 
-#include <ceres/cost_function.h>
 #include <ceres/loss_function.h>
 
-#include <map>
-#include <memory>
-#include <set>
-#include <vector>
-
+#include "smoothers/graph/landmark.h"
 #include "smoothers/graph/prior.h"
 
 namespace slammot {
 
-using FactorId = int;
-
-struct Factor {
-  std::vector<VariableId> variables;
-  std::vector<Variable*> at;  // the same, in the graph
-  std::unique_ptr<ceres::CostFunction> cost;
-  const ceres::LossFunction* loss = nullptr;
-  // r and J at the current estimate, weighted by the loss. J has the columns of each variable's
-  // tangent space from offset[i] on; offset.back() is their number.
-  SmallVector r;
-  Eigen::MatrixXd J;
-  std::vector<int> offset;
-  bool valid = true;  // false: it cannot be evaluated there (behind the camera); J and r are zero
-
-  int dim(std::size_t i) const { return offset[i + 1] - offset[i]; }
-  auto jacobian(std::size_t i) { return J.middleCols(offset[i], dim(i)); }
-  auto jacobian(std::size_t i) const { return J.middleCols(offset[i], dim(i)); }
+struct GraphCamera {
+  VariableId position = 0, orientation = 0, rates = 0;  // rates: v (W), omega (C)
 };
 
-// A correction of every active variable in its tangent space, by id.
-using Step = std::map<VariableId, SmallVector>;
+struct InitialCameraFactor {
+  GraphCamera camera;
+  InitialCamera initial;
+  Vector12d r = Vector12d::Zero();
+  Matrix12d J = Matrix12d::Zero();
+};
+
+struct CameraMotionFactor {
+  GraphCamera from, to;
+  Matrix12d weight = Matrix12d::Zero();  // square_root_information()
+  double dt = 0.0;
+  Vector12d r = Vector12d::Zero();
+  Matrix12d J_from = Matrix12d::Zero(), J_to = Matrix12d::Zero();
+};
+
+// (m - rho0) / mean_sigma of the scene's mean inverse depth.
+struct ScenePrior {
+  VariableId scene = 0;
+  double inverse_depth = 0.0, sigma = 1.0;
+  double r = 0.0;
+};
+
+// What all factors share.
+struct GraphModels {
+  Camera camera;
+  double pixel_sigma = 1.0;
+  LandmarkPrior prior;  // of the acceleration noise
+  const LandmarkFunctions* landmark = nullptr;
+  const ceres::LossFunction* loss = nullptr;  // of a pixel; null: squared
+};
+
+// The smoothers solve, refresh the noises (Graph::refresh_noises) and solve again until no noise
+// changes by more than this [sigma]; the window so often at most.
+inline constexpr double kNegligibleNoise = 1e-7;
+inline constexpr int kMaxRefreshes = 20;
 
 class Graph {
  public:
-  // `first_estimates`: Jacobians of variables that the prior touches stay where they were then.
-  explicit Graph(bool first_estimates) : prior_{MarginalPrior(first_estimates), {}} {}
+  // `fixed_points`: Jacobians of variables that the prior holds stay where they were then, and
+  // those with a linearisation point are taken there.
+  Graph(const GraphModels& models, bool fixed_points)
+      : models_(models), fixed_points_(fixed_points), prior_{MarginalPrior(fixed_points), {}} {}
 
-  // `manifold` (null: Euclidean) must outlive the graph; `owner` is the track whose private state
-  // the variable is, or -1.
-  VariableId add_variable(const Eigen::VectorXd& value, const ceres::Manifold* manifold, int owner);
-  // Adds a factor of active variables and linearises it. `loss` must outlive the graph.
-  FactorId add_factor(std::vector<VariableId> variables, std::unique_ptr<ceres::CostFunction> cost,
-                      const ceres::LossFunction* loss = nullptr);
-  void remove_factor(FactorId id) { factors_.erase(id); }
+  GraphCamera add_camera(const CameraState& x);
+  CameraState camera(const GraphCamera& camera) const;
+  CameraState linearisation_point(const GraphCamera& camera) const;
 
-  // Removes active variables, which no factor may touch any more, and marginalises inactive ones.
-  // Throws std::logic_error when the prior still touches one.
-  void remove_variables(const std::set<VariableId>& ids);
+  // Factors are linearised as they are added. Throws std::invalid_argument when Q is singular.
+  void add_initial(const GraphCamera& camera, const InitialCamera& initial);
+  void add_motion(const GraphCamera& from, const GraphCamera& to, const Matrix12d& Q, double dt);
+  void add_scene(const LandmarkPrior& prior);
+
+  GraphLandmark& operator[](LandmarkId id) { return landmarks[static_cast<std::size_t>(id)]; }
+  const GraphLandmark& operator[](LandmarkId id) const {
+    return landmarks[static_cast<std::size_t>(id)];
+  }
+  LandmarkId add_landmark(VariableId anchor, const Eigen::Vector3d& y);
+  void remove_landmark(LandmarkId id);
+  // It is free from its base, where no chain has begun, with w at zero under its prior.
+  void free_landmark(LandmarkId id, const MotionVector& sigmas);
+  // It has been at rest all the time: w and all noises are zero, and its measurements are those of
+  // one point. Those along the chain are linearised anew.
+  void condition_on_rest(LandmarkId id);
+  // A measurement by a camera at the end of the chain.
+  void add_pixel(LandmarkId id, const GraphCamera& camera, const Eigen::Vector2d& pixel, int depth);
 
   // Brings inactive variables back into the prior, at their mean. Throws Diverged when their
   // covariance is not positive definite.
   void reactivate(const std::vector<VariableId>& ids);
 
-  // An active variable: its value and its linearisation point may be set. Factors see either with
-  // the next linearise().
-  Variable& variable(VariableId id) { return variables_.at(id); }
-
-  // Of an active variable its value; of an inactive one its mean given the current estimate of the
-  // active ones.
+  // Of an active variable its value; of an inactive one its mean given the active ones.
   SmallVector value(VariableId id) const;
 
-  const std::map<VariableId, Variable>& variables() const { return variables_; }  // active ones
-  const std::map<FactorId, Factor>& factors() const { return factors_; }
-  const Prior& prior() const { return prior_; }
-  Prior& prior() { return prior_; }
+  // The states of a landmark's chain, base first, at the current estimate; y alone of a static one.
+  std::vector<LandmarkVector> states(const GraphLandmark& landmark) const;
+  LandmarkVector newest_state(const GraphLandmark& landmark) const;
 
-  // Linearises all factors anew at the current estimate, and returns cost({}) there.
+  // Takes G along the chain's states, and the noises of least norm that lead through them. G
+  // depends on the depth, which a smoother goes on correcting: with the old noises and a new G the
+  // landmark would jump. Returns the largest change of a noise [sigma].
+  double refresh_noises(GraphLandmark& landmark);
+
+  // Linearises everything anew at the current estimate; returns half the sum of squares (with
+  // losses) there, prior included. A pixel that is not valid does not count: if it cost something,
+  // any step that ends this would be taken, however bad.
   double linearise();
+  double linearise(GraphLandmark& landmark);
 
-  // Half the sum of squares (with losses) at x [+] step, prior included. A factor that is not valid
-  // at x does not count: if it cost something, any step that ends this would be taken, however bad.
-  double cost(const Step& step);
+  // The same sum at x [+] step, where a pixel that is no longer valid costs very much.
+  double cost_after_step();
+
+  // -r'J step: by how much an undamped step lowers chi-square of the linearised problem.
+  double predicted_decrease() const;
 
   // x := x [+] step, prior untouched. Stored linearisations are carried along: r += J dx, and J is
   // expressed in the tangent space at the new estimate.
-  void retract(const Step& step);
+  void retract();
+
+  const GraphModels& models() const { return models_; }
+  bool fixed_points() const { return fixed_points_; }
+
+  Variables variables;
+  std::optional<InitialCameraFactor> initial;
+  std::vector<CameraMotionFactor> motions;  // oldest first
+  std::optional<ScenePrior> scene;
+  std::deque<GraphLandmark> landmarks;  // slots
+  Prior& prior() { return prior_; }
+  const Prior& prior() const { return prior_; }
 
  private:
-  // Returns the factor's square, with its loss; 0 when it is not valid.
-  double linearise(Factor& factor);
-  bool evaluate(Factor& factor);
+  void linearise(InitialCameraFactor& factor);
+  void linearise(CameraMotionFactor& factor);
+  void linearise_chain(GraphLandmark& landmark);
+  double linearise_pixel(GraphPixel& pixel, const GraphLandmark& landmark, const Eigen::Vector3d& y,
+                         const Eigen::Vector3d& y_point);
+  double linearise_birth(GraphLandmark& landmark);
+  double landmark_cost_after_step(const GraphLandmark& landmark) const;
+  void retract(GraphLandmark& landmark);
 
-  std::map<VariableId, Variable> variables_;
-  std::map<FactorId, Factor> factors_;
+  GraphModels models_;
+  bool fixed_points_;
   Prior prior_;
-  VariableId next_variable_ = 0;
-  FactorId next_factor_ = 0;
-
-  // Scratch: blocks of the factor in hand, and its Jacobians as Ceres writes them.
-  std::vector<const double*> values_, points_;
-  std::vector<double> ambient_;
-  std::vector<double*> jacobians_;
+  std::vector<LandmarkId> vacant_;
 };
-
-// Where Jacobians with respect to an active variable are taken.
-inline const SmallVector& linearisation_point(const Graph& graph, VariableId id) {
-  return graph.variables().at(id).point();
-}
-
-// Graph::value() of all variables, active and inactive.
-std::map<VariableId, SmallVector> values(const Graph& graph);
 
 }  // namespace slammot

@@ -1,28 +1,9 @@
 #include "smoothers/graph/marginal_prior.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace slammot {
-
-namespace {
-
-// R'R, by panels of columns; rows below the last that is not zero (R is a triangle) are left out.
-Eigen::MatrixXd gram(const Eigen::MatrixXd& R) {
-  constexpr Eigen::Index kPanel = 64;
-  const Eigen::Index n = R.cols();
-  Eigen::MatrixXd RtR(n, n);
-  for (Eigen::Index c = 0; c < n; c += kPanel) {
-    const Eigen::Index width = std::min(kPanel, n - c);
-    Eigen::Index rows = R.rows();
-    while (rows > 0 && (R.row(rows - 1).segment(c, width).array() == 0.0).all()) --rows;
-    RtR.block(c, c, n - c, width).noalias() =
-        R.topRightCorner(rows, n - c).transpose() * R.block(0, c, rows, width);
-  }
-  RtR.triangularView<Eigen::StrictlyUpper>() = RtR.transpose();
-  return RtR;
-}
-
-}  // namespace
 
 const MarginalPrior::Block* MarginalPrior::find(VariableId id) const {
   const auto found = std::find_if(blocks_.begin(), blocks_.end(),
@@ -30,116 +11,218 @@ const MarginalPrior::Block* MarginalPrior::find(VariableId id) const {
   return found == blocks_.end() ? nullptr : &*found;
 }
 
-Eigen::VectorXd MarginalPrior::difference(Field b) const {
-  Eigen::VectorXd d(cols());
+void MarginalPrior::difference(Field b, Eigen::VectorXd& d) const {
+  d.resize(cols_);
   for (const Block& block : blocks_) {
     const Variable& v = *block.variable;
-    d.segment(block.offset, v.dim()) = minus(v.manifold, v.*b, block.x0);
+    d.segment(block.offset, v.dim()) = minus(v.is_orientation, v.*b, block.x0);
   }
+}
+
+Eigen::VectorXd MarginalPrior::difference(Field b) const {
+  Eigen::VectorXd d;
+  difference(b, d);
   return d;
 }
 
 double MarginalPrior::square(Field b) const {
-  return cols() == 0 ? 0.0 : (R_ * difference(b) + r_).squaredNorm();
+  if (cols_ == 0) return 0.0;
+  difference(b, difference_);
+  residual_ = r_;
+  residual_.noalias() += *R_ * difference_;
+  return residual_.squaredNorm();
 }
 
-Eigen::VectorXd MarginalPrior::residual() const { return R_ * difference() + r_; }
+Eigen::VectorXd MarginalPrior::residual() const { return *R_ * difference() + r_; }
 
 Eigen::MatrixXd MarginalPrior::jacobian() const {
-  Eigen::MatrixXd J = R_;
+  Eigen::MatrixXd J = *R_;
   transport(J);
   return J;
+}
+
+double MarginalPrior::slope() const {
+  if (cols_ == 0) return 0.0;
+  square();
+  for (const Block& block : blocks_) {
+    auto d = difference_.segment(block.offset, block.dim());
+    d = block.variable->step;
+    if (turns(block)) d = (slammot::transport(block.variable->value, block.x0) * d).eval();
+  }
+  gradient_.noalias() = (*R_).transpose() * residual_;
+  return gradient_.dot(difference_);
 }
 
 void MarginalPrior::transport(Eigen::Ref<Eigen::MatrixXd> A) const {
   for (const Block& block : blocks_) {
     if (!turns(block)) continue;
-    auto columns = A.middleCols(block.offset, block.dim());
-    columns = (columns * slammot::transport(*block.variable, block.x0)).eval();
+    auto columns = A.middleCols<3>(block.offset);
+    columns = (columns * slammot::transport(block.variable->value, block.x0)).eval();
   }
 }
 
-void MarginalPrior::transport_both(Eigen::Ref<Eigen::MatrixXd> M) const {
+// By panels of columns; rows below the last that is not zero (R is a triangle) are left out.
+void MarginalPrior::compute_gram() const {
+  if (has_gram_) return;
+  constexpr Eigen::Index kPanel = 48;
+  const auto R = *R_;
+  const Eigen::Index n = R.cols();
+  gram_.resize(n, n);
+  auto gram = *gram_;
+  for (Eigen::Index c = 0; c < n; c += kPanel) {
+    const Eigen::Index width = std::min(kPanel, n - c);
+    Eigen::Index rows = R.rows();
+    while (rows > 0 && (R.row(rows - 1).segment(c, width).array() == 0.0).all()) --rows;
+    gram.block(c, c, n - c, width).noalias() =
+        R.topRightCorner(rows, n - c).transpose() * R.block(0, c, rows, width);
+  }
+  has_gram_ = true;
+}
+
+void MarginalPrior::find_runs() const {
+  runs_.clear();
   for (const Block& block : blocks_) {
-    if (!turns(block)) continue;
-    const SmallMatrix T = slammot::transport(*block.variable, block.x0);
-    auto columns = M.middleCols(block.offset, block.dim());
-    columns = (columns * T).eval();
-    auto rows = M.middleRows(block.offset, block.dim());
-    rows = (T.transpose() * rows).eval();
+    const int core = block.variable->core, dim = block.dim();
+    const bool turning = turns(block);
+    if (!runs_.empty() && !turning && !runs_.back().turning &&
+        runs_.back().core + runs_.back().dim == core) {
+      runs_.back().dim += dim;
+    } else {
+      runs_.push_back({block.offset, core, dim, turning, Eigen::Matrix3d::Identity()});
+      if (turning) runs_.back().T = slammot::transport(block.variable->value, block.x0);
+    }
   }
 }
 
-void MarginalPrior::normal_equations(Eigen::Ref<Eigen::MatrixXd> H,
-                                     Eigen::Ref<Eigen::VectorXd> g) const {
-  H = RtR_;
-  g = RtR_ * difference() + R_.transpose() * r_;
-  transport_both(H);
-  for (const Block& block : blocks_) {
-    if (!turns(block)) continue;
-    auto part = g.segment(block.offset, block.dim());
-    part = (slammot::transport(*block.variable, block.x0).transpose() * part).eval();
+void MarginalPrior::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::VectorXd> g) const {
+  runs_.clear();
+  if (cols_ == 0) return;
+  compute_gram();
+  find_runs();
+  square();
+  gradient_.noalias() = (*R_).transpose() * residual_;
+  const auto gram = *gram_;
+  for (std::size_t j = 0; j < runs_.size(); ++j) {
+    const Run& b = runs_[j];
+    if (b.turning) {
+      g.segment<3>(b.core) += b.T.transpose() * gradient_.segment<3>(b.offset);
+    } else {
+      g.segment(b.core, b.dim) += gradient_.segment(b.offset, b.dim);
+    }
+    for (std::size_t i = j; i < runs_.size(); ++i) {
+      const Run& a = runs_[i];
+      const auto block = gram.block(a.offset, b.offset, a.dim, b.dim);
+      if (!a.turning && !b.turning) {
+        if (a.core >= b.core) {
+          H.block(a.core, b.core, a.dim, b.dim) += block;
+        } else {
+          H.block(b.core, a.core, b.dim, a.dim) += block.transpose();
+        }
+        continue;
+      }
+      Eigen::MatrixXd turned = i == j ? gram.block(a.offset, b.offset, a.dim, b.dim)
+                                            .selfadjointView<Eigen::Lower>()
+                                            .toDenseMatrix()
+                                      : Eigen::MatrixXd(block);
+      if (b.turning) turned = (turned * b.T).eval();
+      if (a.turning) turned = (a.T.transpose() * turned).eval();
+      if (a.core >= b.core) {
+        H.block(a.core, b.core, a.dim, b.dim) += turned;
+      } else {
+        H.block(b.core, a.core, b.dim, a.dim) += turned.transpose();
+      }
+    }
   }
 }
 
-void MarginalPrior::set(const std::vector<Variable*>& variables, Eigen::MatrixXd R,
-                        Eigen::VectorXd r) {
+void MarginalPrior::add_transposed(const Eigen::MatrixXd& K, Eigen::Ref<Eigen::MatrixXd> E) const {
+  for (const Run& run : runs_) {
+    const auto columns = K.middleCols(run.offset, run.dim).transpose();
+    if (run.turning) {
+      E.middleRows<3>(run.core) += run.T.transpose() * columns;
+    } else {
+      E.middleRows(run.core, run.dim) += columns;
+    }
+  }
+}
+
+void MarginalPrior::set(const std::vector<Variable*>& variables,
+                        const Eigen::Ref<const Eigen::MatrixXd>& R,
+                        const Eigen::Ref<const Eigen::VectorXd>& r) {
   blocks_.clear();
-  R_ = std::move(R);
-  r_ = std::move(r);
-  RtR_ = gram(R_);
-  int offset = 0;
+  R_.resize(R.rows(), R.cols());
+  *R_ = R;
+  r_ = r;
+  cols_ = 0;
+  has_gram_ = false;
   for (Variable* v : variables) {
-    if (first_estimates_ && !v->linearisation_point) v->linearisation_point = v->value;
-    blocks_.push_back({v, offset, v->value});
-    offset += v->dim();
+    if (fixed_points_ && !v->linearisation_point) v->linearisation_point = v->value;
+    v->is_private = false;
+    blocks_.push_back({v, cols_, v->value});
+    cols_ += v->dim();
   }
+  starts_.resize(static_cast<std::size_t>(R.rows()));
+  std::iota(starts_.begin(), starts_.end(), 0);
 }
 
 void MarginalPrior::relinearise() {
-  if (cols() == 0) return;
-  r_ += R_ * difference();
-  transport(R_);
-  transport_both(RtR_);
-  for (Block& block : blocks_) block.x0 = block.variable->value;
+  if (cols_ == 0) return;
+  difference(&Variable::value, difference_);
+  r_.noalias() += *R_ * difference_;
+  transport(*R_);
+  has_gram_ = false;
+  for (Block& block : blocks_) {
+    block.x0 = block.variable->value;
+    if (!turns(block)) continue;
+    for (int& start : starts_) {
+      if (start > block.offset && start < block.offset + block.dim()) start = block.offset;
+    }
+  }
 }
 
 void MarginalPrior::condition_on_zero(VariableId id) {
   const auto k = blocks_.begin() + (find(id) - blocks_.data());
-  const int offset = k->offset, dim = k->dim(), kept = cols() - dim, after = kept - offset;
-  r_.noalias() -= R_.middleCols(offset, dim) * k->x0;
-  Eigen::MatrixXd R(R_.rows(), kept), RtR(kept, kept);
-  R << R_.leftCols(offset), R_.rightCols(after);
-  RtR << RtR_.topLeftCorner(offset, offset), RtR_.topRightCorner(offset, after),
-      RtR_.bottomLeftCorner(after, offset), RtR_.bottomRightCorner(after, after);
-  R_ = std::move(R);
-  RtR_ = std::move(RtR);
+  const int offset = k->offset, dim = k->dim(), kept = cols_ - dim, after = kept - offset;
+  const Eigen::MatrixXd old = *R_;
+  r_.noalias() -= old.middleCols(offset, dim) * k->x0;
+  R_.resize(old.rows(), kept);
+  (*R_).leftCols(offset) = old.leftCols(offset);
+  (*R_).rightCols(after) = old.rightCols(after);
+  has_gram_ = false;
+  cols_ = kept;
+  for (int& start : starts_) {
+    if (start > offset) start = std::max(offset, start - dim);
+  }
   for (auto later = blocks_.erase(k); later != blocks_.end(); ++later) later->offset -= dim;
 }
 
 void MarginalPrior::join(const std::vector<Variable*>& variables, const Eigen::VectorXd& mean,
                          const Eigen::MatrixXd& K, const Eigen::MatrixXd& U) {
-  const Eigen::Index n = mean.size(), m = cols(), rows = R_.rows();
-  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(n + rows, n + m);
+  const Eigen::Index n = mean.size(), m = cols_, rows = r_.size();
+  const Eigen::MatrixXd old = *R_;
+  R_.resize(n + rows, n + m);
+  auto R = *R_;
   R.topLeftCorner(n, n) = U;
-  R.topRightCorner(n, m) = -U * K;
-  R.bottomRightCorner(rows, m) = R_;
-  Eigen::MatrixXd RtR(n + m, n + m);
-  RtR.leftCols(n) = R.transpose() * R.leftCols(n);
-  RtR.topRightCorner(n, m) = RtR.bottomLeftCorner(m, n).transpose();
-  const auto top = R.topRightCorner(n, m);
-  RtR.bottomRightCorner(m, m) = RtR_ + top.transpose() * top;
-  R_ = std::move(R);
-  RtR_ = std::move(RtR);
-  r_ = (Eigen::VectorXd(n + r_.size()) << Eigen::VectorXd::Zero(n), r_).finished();
+  if (m > 0) {
+    R.topRightCorner(n, m).noalias() = -U * K;
+    R.bottomLeftCorner(rows, n).setZero();
+    R.bottomRightCorner(rows, m) = old;
+  }
+  has_gram_ = false;
+  r_ = (Eigen::VectorXd(n + rows) << Eigen::VectorXd::Zero(n), r_).finished();
+  for (int& start : starts_) start += static_cast<int>(n);
+  starts_.insert(starts_.begin(), static_cast<std::size_t>(n), 0);
+  std::iota(starts_.begin(), starts_.begin() + n, 0);
   std::vector<Block> blocks;
   int offset = 0;
-  for (const Variable* v : variables) {
+  for (Variable* v : variables) {
     blocks.push_back({v, offset, mean.segment(offset, v->dim())});
+    v->is_private = false;
     offset += v->dim();
   }
   for (Block& block : blocks_) block.offset += offset;
   blocks_.insert(blocks_.begin(), blocks.begin(), blocks.end());
+  cols_ = static_cast<int>(n + m);
 }
 
 }  // namespace slammot

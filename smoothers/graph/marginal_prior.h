@@ -5,13 +5,14 @@
 //
 // b0 is where the prior was linearised; b [-] b0 is in the tangent spaces there. To express the
 // prior at the current estimate is to multiply its columns by the transport T = d(b [-] b0)/db,
-// the identity but for rotations. With first estimates (Huang, Mourikis and Roumeliotis 2010)
-// Jacobians of these variables stay where they were when the prior first touched them, and T is
-// the identity everywhere.
+// the identity but for orientations. With fixed points (first estimates, Huang, Mourikis and
+// Roumeliotis 2010) Jacobians of these variables stay where they were when the prior first touched
+// them, and T is the identity everywhere.
 #pragma once
 
 #include <vector>
 
+#include "models/growing_matrix.h"
 #include "smoothers/graph/variable.h"
 
 namespace slammot {
@@ -28,11 +29,10 @@ class MarginalPrior {
   };
 
   // Empty: it touches no variable.
-  explicit MarginalPrior(bool first_estimates) : first_estimates_(first_estimates) {}
+  explicit MarginalPrior(bool fixed_points) : fixed_points_(fixed_points) {}
 
-  bool first_estimates() const { return first_estimates_; }
   const std::vector<Block>& blocks() const { return blocks_; }
-  int cols() const { return static_cast<int>(R_.cols()); }
+  int cols() const { return cols_; }
   // Null when the prior does not touch this variable.
   const Block* find(VariableId id) const;
 
@@ -46,17 +46,27 @@ class MarginalPrior {
   // R (b [-] b0) + r and its Jacobian R T, at the current estimate.
   Eigen::VectorXd residual() const;
   Eigen::MatrixXd jacobian() const;
+  Eigen::Map<const Eigen::MatrixXd> R() const { return *R_; }
+  const Eigen::VectorXd& r() const { return r_; }
+  // For each row of R the first column that may not be zero.
+  const std::vector<int>& starts() const { return starts_; }
+
+  // residual' R T step: the slope of half its square along the variables' step.
+  double slope() const;
 
   // A := A T, where A has the columns of R.
   void transport(Eigen::Ref<Eigen::MatrixXd> A) const;
 
-  // H := T'R'R T and g := T'R'(R (b [-] b0) + r), `cols` x `cols` and `cols`. Of H only the lower
-  // triangle is to be used.
-  void normal_equations(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::VectorXd> g) const;
+  // Adds T'R'R T and T'R'(R (b [-] b0) + r) where Variable::core says; of H its lower triangle.
+  void add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::VectorXd> g) const;
+
+  // E += (K T)' where Variable::core says; K has the columns of R. T is that of the last add_to().
+  void add_transposed(const Eigen::MatrixXd& K, Eigen::Ref<Eigen::MatrixXd> E) const;
 
   // Replaces the prior by |R db + r|^2 about the current estimate of `variables`, whose tangent
   // coordinates in this order are the columns of R. R is upper triangular.
-  void set(const std::vector<Variable*>& variables, Eigen::MatrixXd R, Eigen::VectorXd r);
+  void set(const std::vector<Variable*>& variables, const Eigen::Ref<const Eigen::MatrixXd>& R,
+           const Eigen::Ref<const Eigen::VectorXd>& r);
 
   // Expresses the prior at the current estimate, to first order: b0 := b, R := R T, r := r + R d.
   // An EKF does the same with its covariance after every update.
@@ -72,15 +82,29 @@ class MarginalPrior {
             const Eigen::MatrixXd& K, const Eigen::MatrixXd& U);
 
  private:
-  // Whether T is not the identity there.
-  bool turns(const Block& block) const { return block.variable->manifold && !first_estimates_; }
-  void transport_both(Eigen::Ref<Eigen::MatrixXd> M) const;  // M := T'M T
+  // Columns that stand side by side in R and in the core, and do not turn; or one orientation.
+  struct Run {
+    int offset = 0, core = 0, dim = 0;
+    bool turning = false;
+    Eigen::Matrix3d T;
+  };
+  bool turns(const Block& block) const { return block.variable->is_orientation && !fixed_points_; }
+  void difference(Field b, Eigen::VectorXd& d) const;
+  void compute_gram() const;
+  void find_runs() const;
 
-  bool first_estimates_;
+  bool fixed_points_;
+  int cols_ = 0;
   std::vector<Block> blocks_;
-  Eigen::MatrixXd R_;
+  GrowingMatrix R_;
   Eigen::VectorXd r_;
-  Eigen::MatrixXd RtR_;  // R'R, kept because every step needs it
+  std::vector<int> starts_;
+
+  // R'R, computed once after R has changed; every step needs it.
+  mutable GrowingMatrix gram_;
+  mutable bool has_gram_ = false;
+  mutable std::vector<Run> runs_;
+  mutable Eigen::VectorXd difference_, residual_, gradient_;  // scratch
 };
 
 }  // namespace slammot

@@ -11,9 +11,6 @@ struct Prior {
   MarginalPrior active;
   ConditionalMap inactive;
 
-  // Whether Jacobians of the prior's variables stay where they were first taken.
-  bool first_estimates() const { return active.first_estimates(); }
-
   // Expresses the prior at the current estimate, to first order.
   void relinearise() {
     inactive.relinearise(active);

@@ -1,42 +1,77 @@
-// A variable of the graph, and the arithmetic of its tangent space.
+// A variable of the graph, the arithmetic of its tangent space, and the slots that hold them all.
 #pragma once
 
-#include <ceres/manifold.h>
-
-#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <deque>
 #include <optional>
+#include <vector>
 
 namespace slammot {
 
-inline constexpr int kMaxBlock = 12;  // residuals of a factor, numbers of a variable
+inline constexpr int kMaxBlock = 12;  // numbers of a variable
 using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxBlock, 1>;
-using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxBlock, kMaxBlock>;
 
-using VariableId = int;
+using VariableId = int;  // its slot
 
 struct Variable {
   VariableId id = 0;
-  SmallVector value;
-  const ceres::Manifold* manifold = nullptr;  // null: Euclidean
-  int owner = -1;  // the track whose private state it is, or -1 when shared
+  SmallVector value;            // of an orientation x, y, z, w
+  bool is_orientation = false;  // else Euclidean
+  bool is_private = false;      // a landmark's own, eliminated with it; not once the prior holds it
+  bool is_active = true;        // false: in the conditional map
+  bool is_alive = true;         // false: the slot is vacant
   std::optional<SmallVector> linearisation_point;  // set: Jacobians are taken there, not at value
 
-  // Scratch of Graph::cost() and Graph::retract(): the value to be tried; the correction that was
-  // made, and the transport that goes with it.
-  SmallVector candidate, correction;
-  std::optional<Eigen::Matrix3d> turn;
+  // Of the solver: the correction last computed, the value it leads to, and the first row in the
+  // core of the normal equations (-1: none).
+  SmallVector step, candidate;
+  Eigen::Matrix3d turn =
+      Eigen::Matrix3d::Identity();  // of an orientation: the transport that goes with the step
+  int core = -1;
+  int column = -1;  // scratch of marginalise()
 
-  int dim() const { return manifold ? manifold->TangentSize() : static_cast<int>(value.size()); }
+  int dim() const { return is_orientation ? 3 : static_cast<int>(value.size()); }
   const SmallVector& point() const { return linearisation_point ? *linearisation_point : value; }
 };
 
-// x [+] d and y [-] x: x and y as stored, d in the tangent space at x.
-SmallVector plus(const ceres::Manifold* manifold, const SmallVector& x, const SmallVector& d);
-SmallVector minus(const ceres::Manifold* manifold, const SmallVector& y, const SmallVector& x);
+// Of an orientation as stored.
+inline Eigen::Quaterniond quaternion(const SmallVector& x) {
+  return Eigen::Quaterniond(Eigen::Vector4d(x));
+}
 
-// d(x [-] x0)/dx at the variable's value x, dim x dim: the identity for a Euclidean variable. A
-// manifold has its rotation in the first three coordinates (camera_manifold.h), where this is the
-// inverse right Jacobian of SO(3).
-SmallMatrix transport(const Variable& x, const SmallVector& x0);
+// x [+] d and y [-] x: x and y as stored, d in the tangent space at x.
+SmallVector plus(bool is_orientation, const SmallVector& x, const SmallVector& d);
+SmallVector minus(bool is_orientation, const SmallVector& y, const SmallVector& x);
+
+// d(x [-] x0)/dx at an orientation x, 3x3: the inverse right Jacobian of SO(3).
+Eigen::Matrix3d transport(const SmallVector& x, const SmallVector& x0);
+
+// Variables stay at their address; a slot that falls vacant is used again.
+class Variables {
+ public:
+  Variable& add(const SmallVector& value, bool is_orientation, bool is_private);
+  void remove(VariableId id);
+
+  Variable& operator[](VariableId id) { return slots_[static_cast<std::size_t>(id)]; }
+  const Variable& operator[](VariableId id) const { return slots_[static_cast<std::size_t>(id)]; }
+
+  // Of every active variable, by slot.
+  template <typename Function>
+  void for_each(Function&& function) {
+    for (Variable& v : slots_) {
+      if (v.is_alive && v.is_active) function(v);
+    }
+  }
+  template <typename Function>
+  void for_each(Function&& function) const {
+    for (const Variable& v : slots_) {
+      if (v.is_alive && v.is_active) function(v);
+    }
+  }
+
+ private:
+  std::deque<Variable> slots_;
+  std::vector<VariableId> vacant_;
+};
 
 }  // namespace slammot

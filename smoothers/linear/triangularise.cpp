@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <vector>
 
 // LAPACK's QR in compact WY form, recursive within a panel (Elmroth & Gustavson 2000): matrix
 // products throughout, where Eigen's reflectors are vector by vector. The last arguments are the
@@ -21,65 +20,62 @@ namespace slammot {
 
 namespace {
 
-constexpr int kPanel = 32;
-
-// Rows ordered by their first non-zero column; rows of zeros are left out.
-std::vector<std::pair<int, int>> leading_columns(const Eigen::MatrixXd& A) {
-  std::vector<int> first(static_cast<std::size_t>(A.rows()), static_cast<int>(A.cols()));
-  for (int j = static_cast<int>(A.cols()) - 1; j >= 0; --j) {
-    for (int i = 0; i < A.rows(); ++i) {
-      if (A(i, j) != 0.0) first[static_cast<std::size_t>(i)] = j;
-    }
-  }
-  std::vector<std::pair<int, int>> rows;
-  for (int i = 0; i < A.rows(); ++i) {
-    const int column = first[static_cast<std::size_t>(i)];
-    if (column < A.cols()) rows.emplace_back(column, i);
-  }
-  std::sort(rows.begin(), rows.end());
-  return rows;
-}
-
-// A := Q'A, where Q makes the first `width` columns upper triangular; what is below their diagonal
-// is left to hold the reflectors.
-void reduce_panel(Eigen::MatrixXd& A, int width) {
-  const auto m = static_cast<int>(A.rows()), rest = static_cast<int>(A.cols()) - width;
-  const int k = std::min(m, width);
-  Eigen::MatrixXd T(k, width), work(std::max(width, rest), k);
-  int info = 0;
-  dgeqrt_(&m, &width, &k, A.data(), &m, T.data(), &k, work.data(), &info);
-  if (info == 0 && rest > 0) {
-    dgemqrt_("L", "T", &m, &rest, &k, &k, A.data(), &m, T.data(), &k, A.col(width).data(), &m,
-             work.data(), &info, 1, 1);
-  }
-  if (info != 0) throw std::logic_error("LAPACK refuses the arguments of a QR factorisation");
-}
+constexpr Eigen::Index kPanel = 32;
 
 }  // namespace
 
-Eigen::MatrixXd triangularise(const Eigen::MatrixXd& A) {
-  const int n = static_cast<int>(A.cols());
-  const auto rows = leading_columns(A);
-  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(n, n);
-  Eigen::MatrixXd carried(0, n);  // rows that earlier panels have touched, columns from c on
-  std::size_t next = 0;
-  for (int c = 0; c < n; c += kPanel) {
-    const int width = std::min(kPanel, n - c);
-    std::size_t end = next;
-    while (end < rows.size() && rows[end].first < c + width) ++end;
-    const auto fresh = static_cast<Eigen::Index>(end - next);
-    Eigen::MatrixXd active(carried.rows() + fresh, n - c);
-    active.topRows(carried.rows()) = carried;
-    for (Eigen::Index i = 0; i < fresh; ++i, ++next) {
-      active.row(carried.rows() + i) = A.row(rows[next].second).tail(n - c);
-    }
-    const Eigen::Index finished = std::min<Eigen::Index>(width, active.rows());
-    if (active.rows() > 0) {
-      reduce_panel(active, width);
-      R.block(c, c, finished, n - c) = active.topRows(finished).triangularView<Eigen::Upper>();
-    }
-    carried = active.bottomRightCorner(active.rows() - finished, n - c - width).eval();
+// A := Q'A, where Q makes the first `width` columns upper triangular.
+void Triangularise::reduce_panel(MatrixRef A, Eigen::Index width) {
+  const auto m = static_cast<int>(A.rows()), n = static_cast<int>(width);
+  const auto lda = static_cast<int>(A.outerStride()), rest = static_cast<int>(A.cols() - width);
+  const int k = std::min(m, n);
+  T_.resize(std::max(T_.size(), static_cast<std::size_t>(k * n)));
+  work_.resize(std::max(work_.size(), static_cast<std::size_t>(std::max(n, rest) * k)));
+  int info = 0;
+  dgeqrt_(&m, &n, &k, A.data(), &lda, T_.data(), &k, work_.data(), &info);
+  if (info == 0 && rest > 0) {
+    dgemqrt_("L", "T", &m, &rest, &k, &k, A.data(), &lda, T_.data(), &k, A.col(width).data(), &lda,
+             work_.data(), &info, 1, 1);
   }
+  if (info != 0) throw std::logic_error("LAPACK refuses the arguments of a QR factorisation");
+  A.leftCols(width).triangularView<Eigen::StrictlyLower>().setZero();
+}
+
+Triangularise::Staircase Triangularise::operator()(MatrixRef A, std::span<const int> starts,
+                                                   Eigen::Index first, Eigen::Index last) {
+  Staircase result;
+  Eigen::Index top = 0, end = 0;
+  const auto take_rows = [&](Eigen::Index column) {
+    while (end < A.rows() && starts[static_cast<std::size_t>(end)] <= column) ++end;
+    return end - top;
+  };
+  for (Eigen::Index c = 0; c < last;) {
+    if (c == first) result.rows_of_first = top;
+    const Eigen::Index until = c < first ? first : last;
+    if (take_rows(c) == 0) {  // on to where a row begins
+      c = end < A.rows() ? std::min<Eigen::Index>(until, starts[static_cast<std::size_t>(end)])
+                         : until;
+      continue;
+    }
+    // A panel ends where its rows are used up.
+    Eigen::Index width = 0;
+    while (width < std::min(kPanel, until - c) && take_rows(c + width) > width) ++width;
+    reduce_panel(A.block(top, c, end - top, A.cols() - c), width);
+    top += width;
+    c += width;
+  }
+  if (first >= last) result.rows_of_first = top;
+  result.rows = top;
+  return result;
+}
+
+Eigen::MatrixXd triangular_factor(Eigen::MatrixXd A) {
+  const std::vector<int> starts(static_cast<std::size_t>(A.rows()), 0);
+  const Eigen::Index n = A.cols();
+  Triangularise()(A, starts, n, n);
+  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(n, n);
+  const Eigen::Index rows = std::min(n, A.rows());
+  R.topRows(rows) = A.topRows(rows).triangularView<Eigen::Upper>();
   return R;
 }
 

@@ -1,14 +1,32 @@
-// QR of a matrix that is nearly triangular already: a row takes part from the panel on in which its
-// first column is.
+// QR factorisation in place of matrices whose rows begin at different columns.
 #pragma once
 
-#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "smoothers/linear/lapack.h"
 
 namespace slammot {
 
-// The upper triangular R (cols x cols) with R'R = A'A, A rows x cols; missing rows are zero.
-// Householder panels touch only the rows that reach them, so that adding k rows to a triangle costs
-// O(k cols^2).
-Eigen::MatrixXd triangularise(const Eigen::MatrixXd& A);
+class Triangularise {
+ public:
+  // A := Q'A, where the first `last` columns become a staircase: each of the first rows begins
+  // further right than the one above it. Row i of A begins at column starts[i], and starts ascend.
+  // Columns before `first` are finished by the rows counted in `rows_of_first`; of `last` columns
+  // by `rows`. Rows below are zero there, and hold what is left in the columns after.
+  struct Staircase {
+    Eigen::Index rows_of_first = 0, rows = 0;
+  };
+  Staircase operator()(MatrixRef A, std::span<const int> starts, Eigen::Index first,
+                       Eigen::Index last);
+
+ private:
+  void reduce_panel(MatrixRef A, Eigen::Index width);
+
+  std::vector<double> T_, work_;
+};
+
+// R of A = QR, square.
+Eigen::MatrixXd triangular_factor(Eigen::MatrixXd A);
 
 }  // namespace slammot

@@ -1,28 +1,26 @@
 #include "smoothers/solver/ceres_solve.h"
 
-#include <ceres/problem.h>
 #include <ceres/solver.h>
 
 #include "estimation/estimator.h"
+#include "smoothers/solver/cost_functions.h"
 
 namespace slammot {
 
 namespace {
 
-ceres::Problem::Options nothing_owned() {
+ceres::Problem::Options owned_but_the_loss() {
   ceres::Problem::Options options;
-  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   return options;
 }
 
-ceres::Solver::Options solver_options(int max_iterations) {
+ceres::Solver::Options solver_options(int max_iterations, double function_tolerance) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   options.num_threads = 1;
   options.max_num_iterations = max_iterations;
-  options.function_tolerance = 1e-14;
+  options.function_tolerance = function_tolerance;
   options.parameter_tolerance = 1e-14;
   options.gradient_tolerance = 1e-12;
   options.use_nonmonotonic_steps = true;  // stiff motion factors: see optimise.h
@@ -30,35 +28,126 @@ ceres::Solver::Options solver_options(int max_iterations) {
   return options;
 }
 
-}  // namespace
-
-CeresSolution solve_with_ceres(Graph& graph, int max_iterations) {
-  ceres::Problem problem(nothing_owned());
-  for (const auto& [id, v] : graph.variables()) {
-    problem.AddParameterBlock(graph.variable(id).value.data(), static_cast<int>(v.value.size()),
-                              const_cast<ceres::Manifold*>(v.manifold));
+// Adds a graph's factors to a problem.
+class Builder {
+ public:
+  explicit Builder(Graph& graph)
+      : graph_(graph), problem_(std::make_unique<ceres::Problem>(owned_but_the_loss())) {
+    graph.variables.for_each([&](Variable& v) {
+      const auto size = static_cast<int>(v.value.size());
+      if (v.is_orientation) {
+        problem_->AddParameterBlock(v.value.data(), size, new OrientationManifold);
+      } else {
+        problem_->AddParameterBlock(v.value.data(), size);
+      }
+    });
   }
-  CeresSolution solution;
-  for (const auto& [id, factor] : graph.factors()) {
-    std::vector<double*> blocks;
-    for (const VariableId v : factor.variables) blocks.push_back(graph.variable(v).value.data());
+
+  CeresProblem build() {
+    add_cameras();
+    for (GraphLandmark& l : graph_.landmarks) {
+      if (l.is_alive && graph_.variables[l.y].is_active) add_landmark(l);
+    }
+    const MarginalPrior& prior = graph_.prior().active;
+    if (prior.cols() > 0) {
+      std::vector<double*> blocks;
+      for (const MarginalPrior::Block& b : prior.blocks()) {
+        blocks.push_back(value(b.variable->id));
+      }
+      problem_->AddResidualBlock(marginal_prior_cost(prior).release(), nullptr, blocks);
+    }
+    return {std::move(problem_), waiting_};
+  }
+
+ private:
+  double* value(VariableId id) { return graph_.variables[id].value.data(); }
+
+  void add_cameras() {
+    const auto blocks = [&](const GraphCamera& c) {
+      return std::vector<double*>{value(c.position), value(c.orientation), value(c.rates)};
+    };
+    if (graph_.initial) {
+      problem_->AddResidualBlock(initial_camera_cost(graph_.initial->initial).release(), nullptr,
+                                 blocks(graph_.initial->camera));
+    }
+    for (const CameraMotionFactor& f : graph_.motions) {
+      std::vector<double*> both = blocks(f.from);
+      for (double* block : blocks(f.to)) both.push_back(block);
+      problem_->AddResidualBlock(camera_motion_cost(f.weight, f.dt).release(), nullptr, both);
+    }
+    if (!graph_.scene) return;
+    const ScenePrior& scene = *graph_.scene;
+    add_gaussian(value(scene.scene), Eigen::VectorXd::Constant(1, scene.inverse_depth),
+                 Eigen::VectorXd::Constant(1, scene.sigma));
+  }
+
+  void add_gaussian(double* block, const Eigen::VectorXd& mean, const Eigen::VectorXd& sigmas) {
+    problem_->AddResidualBlock(gaussian_cost(mean, sigmas).release(), nullptr,
+                               std::vector<double*>{block});
+  }
+
+  void add_landmark(GraphLandmark& l) {
+    add_birth(l);
+    if (l.w_sigmas.size() > 0) {
+      add_gaussian(value(l.w), Eigen::VectorXd::Zero(l.w_sigmas.size()), l.w_sigmas);
+    }
+    for (ChainStep& step : l.chain) {
+      const Eigen::Index dim = step.noise.size();
+      add_gaussian(step.noise.data(), Eigen::VectorXd::Zero(dim), Eigen::VectorXd::Ones(dim));
+    }
+    for (const GraphPixel& pixel : l.pixels) add_pixel(l, pixel);
+  }
+
+  void add_birth(const GraphLandmark& l) {
+    std::vector<double*> blocks{value(l.y)};
+    if (l.birth.kind == BirthPrior::Kind::kNone) return;
+    if (l.birth.kind == BirthPrior::Kind::kSharedDepth) blocks.push_back(value(l.birth.scene));
+    if (l.birth.kind == BirthPrior::Kind::kKnown) blocks = {value(l.anchor), value(l.y)};
+    problem_->AddResidualBlock(birth_cost(l.birth).release(), nullptr, blocks);
+  }
+
+  void add_pixel(GraphLandmark& l, const GraphPixel& pixel) {
+    std::vector<double*> blocks{value(pixel.position), value(pixel.orientation), value(l.anchor),
+                                value(l.y)};
+    if (pixel.z.here) blocks = {value(pixel.orientation), value(l.y)};
+    Cost cost;
+    if (pixel.depth == 0) {
+      cost = pixel_cost(graph_.models(), pixel.z);
+    } else {
+      blocks.push_back(value(l.w));
+      for (int i = 0; i < pixel.depth; ++i) {
+        blocks.push_back(l.chain[static_cast<std::size_t>(i)].noise.data());
+      }
+      cost = chain_pixel_cost(graph_.models(), pixel.z, l.chain, pixel.depth);
+    }
     // A landmark that starts behind its camera has no residual there: as in Graph::linearise its
     // measurement counts for nothing until the others have brought it to the front.
-    Eigen::VectorXd unused(factor.cost->num_residuals());
-    if (!factor.cost->Evaluate(blocks.data(), unused.data(), nullptr)) {
-      ++solution.waiting;
-      continue;
+    double unused[2];
+    if (!cost->Evaluate(blocks.data(), unused, nullptr)) {
+      ++waiting_;
+      return;
     }
-    problem.AddResidualBlock(factor.cost.get(), const_cast<ceres::LossFunction*>(factor.loss),
-                             blocks);
+    problem_->AddResidualBlock(cost.release(),
+                               const_cast<ceres::LossFunction*>(graph_.models().loss), blocks);
   }
+
+  Graph& graph_;
+  std::unique_ptr<ceres::Problem> problem_;
+  int waiting_ = 0;
+};
+
+}  // namespace
+
+CeresProblem ceres_problem(Graph& graph) { return Builder(graph).build(); }
+
+CeresSolution solve_with_ceres(Graph& graph, int max_iterations, double function_tolerance) {
+  const CeresProblem built = ceres_problem(graph);
   ceres::Solver::Summary summary;
-  ceres::Solve(solver_options(max_iterations), &problem, &summary);
+  ceres::Solve(solver_options(max_iterations, function_tolerance), built.problem.get(), &summary);
   if (summary.termination_type != ceres::CONVERGENCE) {
     throw Diverged("no solution: " + summary.message);
   }
-  solution.iterations = static_cast<int>(summary.iterations.size());
-  return solution;
+  return {built.waiting, static_cast<int>(summary.iterations.size())};
 }
 
 }  // namespace slammot

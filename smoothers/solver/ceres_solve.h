@@ -1,19 +1,30 @@
-// A graph without prior, solved by Ceres' trust region: for the batch, and as the judge of our own
-// Gauss-Newton in tests.
+// The graph as a ceres::Problem, solved by Ceres' trust region: for the batch, for
+// `window.solver: ceres`, and as the judge of our own Gauss-Newton in tests.
 #pragma once
+
+#include <ceres/problem.h>
 
 #include "smoothers/graph/graph.h"
 
 namespace slammot {
 
+struct CeresProblem {
+  std::unique_ptr<ceres::Problem> problem;
+  int waiting = 0;  // measurements that could not be evaluated where it began, and were left out
+};
+
+// Its parameter blocks are the values in the graph, which must outlive it.
+CeresProblem ceres_problem(Graph& graph);
+
 struct CeresSolution {
-  int waiting = 0;  // factors that could not be evaluated where it began, and were left out
+  int waiting = 0;
   int iterations = 0;
 };
 
-// Brings the active variables to a minimum of the cost of all factors; the prior is ignored. Throws
-// Diverged when Ceres does not converge within `max_iterations`. One thread, so that the result is
-// always the same.
-CeresSolution solve_with_ceres(Graph& graph, int max_iterations);
+// Brings the active variables to a minimum of the cost. Throws Diverged when Ceres does not
+// converge within `max_iterations`: until a step lowers the cost by less than
+// `function_tolerance` of it, or changes nothing. One thread, so that the result is always the
+// same.
+CeresSolution solve_with_ceres(Graph& graph, int max_iterations, double function_tolerance = 1e-14);
 
 }  // namespace slammot

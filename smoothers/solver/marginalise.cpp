@@ -1,182 +1,309 @@
 #include "smoothers/solver/marginalise.h"
 
-#include <map>
+#include <algorithm>
+#include <numeric>
 
-#include "smoothers/linear/triangularise.h"
+#include "smoothers/solver/camera_parts.h"
 
 namespace slammot {
 
 namespace {
 
-// Where each variable stands in the stacked system.
-struct Columns {
-  std::vector<VariableId> order;
-  std::map<VariableId, int> offset;
-  int total = 0;
-  int gone = 0;  // the first ones: of what leaves or is deactivated
-
-  void take(const Graph& graph, VariableId id) {
-    if (!offset.try_emplace(id, total).second) return;
-    order.push_back(id);
-    total += graph.variables().at(id).dim();
-  }
-};
-
-std::vector<FactorId> factors_touching(const Graph& graph, const std::set<VariableId>& ids,
-                                       const std::set<FactorId>& also) {
-  std::vector<FactorId> touched;
-  for (const auto& [id, factor] : graph.factors()) {
-    bool touches = also.contains(id);
-    for (const VariableId v : factor.variables) touches = touches || ids.contains(v);
-    if (touches) touched.push_back(id);
-  }
-  return touched;
-}
-
-// Leaving, then deactivated, then advancing, then new to the prior, then the rest of the prior as
-// it was. What leaves or advances stands in the first columns of the old prior, so that the other
-// columns of it remain a triangle.
-Columns order_columns(const Graph& graph, const std::set<VariableId>& leaving,
-                      const std::set<VariableId>& deactivated, const std::vector<Advance>& advances,
-                      const std::vector<FactorId>& touched) {
-  Columns columns;
-  std::vector<VariableId> prior;
-  for (const MarginalPrior::Block& b : graph.prior().active.blocks()) {
-    prior.push_back(b.variable->id);
-  }
-  for (const VariableId id : prior) {
-    if (leaving.contains(id)) columns.take(graph, id);
-  }
-  for (const VariableId id : leaving) columns.take(graph, id);
-  for (const VariableId id : deactivated) columns.take(graph, id);
-  columns.gone = columns.total;
-  for (const Advance& a : advances) {
-    columns.take(graph, a.y);
-    columns.take(graph, a.w);
-  }
-  const std::set<VariableId> old(prior.begin(), prior.end());
-  for (const FactorId id : touched) {
-    for (const VariableId v : graph.factors().at(id).variables) {
-      if (!old.contains(v)) columns.take(graph, v);
-    }
-  }
-  for (const VariableId id : prior) columns.take(graph, id);
-  return columns;
-}
-
-// (A b) of the factors and the prior, at the current estimate.
-Eigen::MatrixXd stack(const Graph& graph, const Columns& columns,
-                      const std::vector<FactorId>& touched) {
-  const MarginalPrior& prior = graph.prior().active;
-  const Eigen::MatrixXd J = prior.jacobian();
-  Eigen::Index rows = J.rows();
-  for (const FactorId id : touched) rows += graph.factors().at(id).r.size();
-  Eigen::MatrixXd Ab = Eigen::MatrixXd::Zero(rows, columns.total + 1);
-  Eigen::Index row = 0;
-  for (const FactorId id : touched) {
-    const Factor& factor = graph.factors().at(id);
-    for (std::size_t i = 0; i < factor.variables.size(); ++i) {
-      const int column = columns.offset.at(factor.variables[i]);
-      Ab.block(row, column, factor.r.size(), factor.dim(i)) = factor.jacobian(i);
-    }
-    Ab.col(columns.total).segment(row, factor.r.size()) = factor.r;
-    row += factor.r.size();
-  }
-  for (const MarginalPrior::Block& b : prior.blocks()) {
-    Ab.block(row, columns.offset.at(b.variable->id), J.rows(), b.dim()) =
-        J.middleCols(b.offset, b.dim());
-  }
-  if (prior.cols() > 0) Ab.col(columns.total).tail(J.rows()) = prior.residual();
-  return Ab;
-}
-
-// dx = F^-1 (dx1 - G dnoise) in the columns of A.
-void substitute(Eigen::MatrixXd& Ab, const Columns& columns, const Advance& advance) {
-  const Eigen::Index dim = advance.next.size(), motion = dim - 3;
-  Eigen::MatrixXd A_x(Ab.rows(), dim);
-  auto A_y = Ab.middleCols<3>(columns.offset.at(advance.y));
-  auto A_w = Ab.middleCols(columns.offset.at(advance.w), motion);
-  A_x << A_y, A_w;
-  const Eigen::MatrixXd A_next = A_x * advance.F_inverse;
-  A_y = A_next.leftCols<3>();
-  A_w = A_next.rightCols(motion);
-  Ab.middleCols(columns.offset.at(advance.noise), dim).noalias() -= A_next * advance.G;
-}
-
-// Makes the substitutions, in A and in the values: y and w are the next state from now on.
-void advance(Graph& graph, Eigen::MatrixXd& Ab, const Columns& columns,
-             const std::vector<Advance>& advances) {
-  for (const Advance& a : advances) {
-    substitute(Ab, columns, a);
-    for (const VariableId id : {a.y, a.w}) graph.variable(id).linearisation_point.reset();
-    graph.variable(a.y).value = a.next.head<3>();
-    graph.variable(a.w).value = a.next.tail(a.next.size() - 3);
-  }
-}
-
-// The columns of the map's K that this marginalisation changes: those of variables that were in the
-// prior and go, or are deactivated now, or advance.
-std::vector<int> changed_columns(const Graph& graph, const Columns& columns,
-                                 const std::vector<Advance>& advances,
-                                 const std::set<VariableId>& deactivated) {
-  std::set<VariableId> ids(deactivated);
-  for (const MarginalPrior::Block& b : graph.prior().active.blocks()) {
-    if (columns.offset.at(b.variable->id) < columns.gone) ids.insert(b.variable->id);
-  }
-  for (const Advance& a : advances) ids.insert({a.y, a.w});
-  std::vector<int> changed;
-  for (const VariableId id : ids) {
-    for (int k = 0; k < graph.variables().at(id).dim(); ++k) {
-      changed.push_back(columns.offset.at(id) + k);
-    }
-  }
-  return changed;
-}
-
-// What has become of these columns: T in d(changed) = T dx, by the substitutions.
-Eigen::MatrixXd substituted(const std::vector<int>& changed, const Columns& columns,
-                            const std::vector<Advance>& advances) {
-  Eigen::MatrixXd T = Eigen::MatrixXd::Zero(std::ssize(changed), columns.total);
-  for (std::size_t i = 0; i < changed.size(); ++i) T(static_cast<int>(i), changed[i]) = 1.0;
-  for (const Advance& a : advances) substitute(T, columns, a);
-  return T;
-}
+// Marks in Variable::column, before a column is given.
+constexpr int kNone = -1, kLeaving = -2, kInPrior = -3;
 
 }  // namespace
 
-void marginalise(Graph& graph, const std::set<VariableId>& leaving,
-                 const std::vector<Advance>& advances, const std::set<FactorId>& absorbed,
-                 const std::set<VariableId>& deactivated) {
-  if (leaving.empty() && deactivated.empty()) return;
-  std::set<VariableId> concerned = leaving;
-  concerned.insert(deactivated.begin(), deactivated.end());
-  for (const Advance& a : advances) concerned.insert({a.y, a.w});
-  const std::vector<FactorId> touched = factors_touching(graph, concerned, absorbed);
-  const Columns columns = order_columns(graph, leaving, deactivated, advances, touched);
-  auto& [prior, map] = graph.prior();
+void Leaving::clear() {
+  oldest.reset();
+  departures.clear();
+  anchors.clear();
+  deactivated.clear();
+}
 
-  Eigen::MatrixXd Ab = stack(graph, columns, touched);
-  map.relinearise(prior, columns.offset, columns.total);
-  for (const VariableId id : deactivated) {
-    map.deactivate(graph.variable(id), columns.offset.at(id));
-  }
-  advance(graph, Ab, columns, advances);
-  const Eigen::MatrixXd R = triangularise(Ab);
+void Marginaliser::take(Variable& v) {
+  if (v.column >= 0) return;
+  v.column = total_;
+  total_ += v.dim();
+  order_.push_back(&v);
+}
 
-  const int gone = columns.gone, kept = columns.total - gone;
-  if (!map.empty()) {
-    const std::vector<int> changed = changed_columns(graph, columns, advances, deactivated);
-    map.eliminate(changed, substituted(changed, columns, advances),
-                  R.topLeftCorner(gone, columns.total), R.col(columns.total).head(gone));
+// What the prior holds and leaves, the noises of substitutions, what else leaves, what is
+// deactivated; then what moves on along its chain, what is new to the prior, and the rest of the
+// prior as it was: its rows remain a triangle there.
+void Marginaliser::order_columns(Graph& graph, const Leaving& leaving) {
+  graph.variables.for_each([](Variable& v) { v.column = kNone; });
+  order_.clear();
+  total_ = 0;
+  std::vector<VariableId>& going = going_;
+  going.clear();
+  if (leaving.oldest) going = {leaving.oldest->orientation, leaving.oldest->rates};
+  going.insert(going.end(), leaving.anchors.begin(), leaving.anchors.end());
+  for (const Departure& d : leaving.departures) {
+    const GraphLandmark& l = graph[d.landmark];
+    if (l.is_free() && (d.forgets_w || d.leaves)) going.push_back(l.w);
+    if (d.leaves) going.push_back(l.y);
   }
-  std::vector<Variable*> remaining;
-  for (const VariableId id : columns.order) {
-    if (columns.offset.at(id) >= gone) remaining.push_back(&graph.variable(id));
+  for (const VariableId id : going) graph.variables[id].column = kLeaving;
+  const auto& blocks = graph.prior().active.blocks();
+  for (const MarginalPrior::Block& b : blocks) {
+    Variable& v = graph.variables[b.variable->id];
+    if (v.column == kLeaving) take(v);
   }
-  prior.set(remaining, R.block(gone, gone, kept, kept), R.col(columns.total).segment(gone, kept));
-  for (const FactorId id : touched) graph.remove_factor(id);
-  graph.remove_variables(leaving);
-  graph.remove_variables(deactivated);
+  for (std::size_t i = 0; i < local_count_; ++i) {
+    locals_[i].noise_column = total_;
+    total_ += locals_[i].noise_dim();
+  }
+  const auto touched = [&](auto&& function) {
+    for (std::size_t i = 0; i < local_count_; ++i) {
+      for (const auto& s : locals_[i].segments()) {
+        if (s.variable >= 0) function(graph.variables[s.variable]);
+      }
+    }
+  };
+  touched([&](Variable& v) {
+    if (v.column == kLeaving) take(v);
+  });
+  if (leaving.oldest) {
+    take(graph.variables[leaving.oldest->orientation]);
+    take(graph.variables[leaving.oldest->rates]);
+  }
+  for (const VariableId id : leaving.anchors) take(graph.variables[id]);
+  for (const VariableId id : leaving.deactivated) take(graph.variables[id]);
+  gone_ = total_;
+  for (std::size_t i = 0; i < local_count_; ++i) {
+    const GraphLandmark& l = graph[locals_[i].departure().landmark];
+    if (locals_[i].departure().steps == 0) continue;
+    if (graph.variables[l.y].column == kNone) take(graph.variables[l.y]);
+    if (graph.variables[l.w].column == kNone) take(graph.variables[l.w]);
+  }
+  for (const MarginalPrior::Block& b : blocks) {
+    Variable& v = graph.variables[b.variable->id];
+    if (v.column == kNone) v.column = kInPrior;
+  }
+  const auto take_new = [&](Variable& v) {
+    if (v.column == kNone) take(v);
+  };
+  touched(take_new);
+  if (leaving.oldest) {
+    take_new(graph.variables[leaving.oldest->position]);
+    if (!graph.motions.empty()) {
+      for (const CameraPart& p : parts(graph.motions.front().to)) {
+        take_new(graph.variables[p.variable]);
+      }
+    }
+  }
+  for (const MarginalPrior::Block& b : blocks) take(graph.variables[b.variable->id]);
+}
+
+void Marginaliser::add_rows(int start, Eigen::Index count) {
+  starts_.insert(starts_.end(), static_cast<std::size_t>(count), start);
+}
+
+// In the order in which fill() makes them, and then where each goes: by their first column.
+void Marginaliser::count_rows(const Graph& graph, const Leaving& leaving) {
+  starts_.clear();
+  for (std::size_t i = 0; i < local_count_; ++i) {
+    int start = total_;
+    for (const auto& s : locals_[i].segments()) {
+      start = std::min(
+          start, s.variable >= 0 ? graph.variables[s.variable].column : locals_[i].noise_column);
+    }
+    add_rows(start, locals_[i].rows().rows());
+  }
+  if (leaving.oldest && graph.initial) {
+    int start = total_;
+    for (const CameraPart& p : parts(graph.initial->camera)) {
+      start = std::min(start, graph.variables[p.variable].column);
+    }
+    add_rows(start, kCameraDim);
+  }
+  if (leaving.oldest && !graph.motions.empty()) {
+    int start = total_;
+    for (const GraphCamera* c : {&graph.motions.front().from, &graph.motions.front().to}) {
+      for (const CameraPart& p : parts(*c)) {
+        start = std::min(start, graph.variables[p.variable].column);
+      }
+    }
+    add_rows(start, kCameraDim);
+  }
+  count_prior_rows(graph);
+  row_.resize(starts_.size());
+  std::vector<Eigen::Index>& by_start = by_start_;
+  by_start.resize(starts_.size());
+  std::iota(by_start.begin(), by_start.end(), 0);
+  std::ranges::stable_sort(by_start, {},
+                           [&](Eigen::Index i) { return starts_[static_cast<std::size_t>(i)]; });
+  sorted_starts_.clear();
+  for (std::size_t i = 0; i < by_start.size(); ++i) {
+    row_[static_cast<std::size_t>(by_start[i])] = static_cast<Eigen::Index>(i);
+    sorted_starts_.push_back(starts_[static_cast<std::size_t>(by_start[i])]);
+  }
+}
+
+// A row of the prior that begins at some block of it touches that block and all later ones.
+void Marginaliser::count_prior_rows(const Graph& graph) {
+  const MarginalPrior& prior = graph.prior().active;
+  first_from_.assign(static_cast<std::size_t>(prior.cols()) + 1, total_);
+  for (auto b = prior.blocks().rbegin(); b != prior.blocks().rend(); ++b) {
+    int start =
+        std::min(b->variable->column, first_from_[static_cast<std::size_t>(b->offset + b->dim())]);
+    for (std::size_t i = 0; i < local_count_; ++i) {
+      if (!locals_[i].substitutes()) continue;
+      const GraphLandmark& l = graph[locals_[i].departure().landmark];
+      if (l.y == b->variable->id || l.w == b->variable->id) {
+        start = std::min(start, locals_[i].noise_column);
+      }
+    }
+    for (int k = 0; k < b->dim(); ++k) {
+      first_from_[static_cast<std::size_t>(b->offset + k)] = start;
+    }
+  }
+  for (const int start : prior.starts()) {
+    starts_.push_back(first_from_[static_cast<std::size_t>(start)]);
+  }
+}
+
+void Marginaliser::fill(const Graph& graph, const Leaving& leaving) {
+  A_.resize(std::ssize(starts_), total_ + 1);
+  auto A = *A_;
+  A.setZero();
+  auto row = row_.begin();
+  const auto put = [&](const auto& block, Eigen::Index column) {
+    for (Eigen::Index i = 0; i < block.rows(); ++i) {
+      A.row(*(row + i)).segment(column, block.cols()) += block.row(i);
+    }
+  };
+  for (std::size_t k = 0; k < local_count_; ++k) {
+    const auto rows = locals_[k].rows();
+    for (const auto& s : locals_[k].segments()) {
+      const int column =
+          s.variable >= 0 ? graph.variables[s.variable].column : locals_[k].noise_column;
+      put(rows.middleCols(s.column, s.dim), column);
+    }
+    put(rows.col(locals_[k].residual_column()), total_);
+    row += rows.rows();
+  }
+  const auto put_camera = [&](const GraphCamera& c, const Matrix12d& J) {
+    for (const CameraPart& p : parts(c)) {
+      put(J.middleCols(p.column, p.dim), graph.variables[p.variable].column);
+    }
+  };
+  if (leaving.oldest && graph.initial) {
+    put_camera(graph.initial->camera, graph.initial->J);
+    put(graph.initial->r, total_);
+    row += kCameraDim;
+  }
+  if (leaving.oldest && !graph.motions.empty()) {
+    const CameraMotionFactor& motion = graph.motions.front();
+    put_camera(motion.from, motion.J_from);
+    put_camera(motion.to, motion.J_to);
+    put(motion.r, total_);
+    row += kCameraDim;
+  }
+  fill_prior(graph, row - row_.begin());
+}
+
+void Marginaliser::fill_prior(const Graph& graph, Eigen::Index first) {
+  const MarginalPrior& prior = graph.prior().active;
+  if (prior.cols() == 0) return;
+  auto A = *A_;
+  const Eigen::MatrixXd J = prior.jacobian();
+  const Eigen::VectorXd r = prior.residual();
+  const auto row = [&](Eigen::Index i) { return row_[static_cast<std::size_t>(first + i)]; };
+  for (const MarginalPrior::Block& b : prior.blocks()) {
+    for (int k = 0; k < b.dim(); ++k) {
+      double* column = A.col(b.variable->column + k).data();
+      const double* from = J.col(b.offset + k).data();
+      for (Eigen::Index i = 0; i < J.rows(); ++i) column[row(i)] = from[i];
+    }
+  }
+  for (Eigen::Index i = 0; i < r.size(); ++i) A(row(i), total_) = r(i);
+  // dx_0 = Psi dx_d + noise_gain dn in the columns of what moves on.
+  for (std::size_t k = 0; k < local_count_; ++k) {
+    const LocalElimination& local = locals_[k];
+    if (!local.substitutes()) continue;
+    const GraphLandmark& l = graph[local.departure().landmark];
+    const int y = graph.variables[l.y].column, w = graph.variables[l.w].column;
+    const MarginalPrior::Block* y_0 = prior.find(l.y);
+    const MarginalPrior::Block* w_0 = prior.find(l.w);
+    const Eigen::Index dim = local.Psi.rows();
+    Eigen::MatrixXd of_x = J.middleCols<3>(y_0->offset) * local.Psi.topRows<3>();
+    Eigen::MatrixXd of_noise = J.middleCols<3>(y_0->offset) * local.noise_gain.topRows<3>();
+    if (w_0) {
+      of_x += J.middleCols(w_0->offset, dim - 3) * local.Psi.bottomRows(dim - 3);
+      of_noise += J.middleCols(w_0->offset, dim - 3) * local.noise_gain.bottomRows(dim - 3);
+    }
+    for (Eigen::Index i = 0; i < J.rows(); ++i) {
+      A.row(row(i)).segment<3>(y) = of_x.row(i).head<3>();
+      A.row(row(i)).segment(w, dim - 3) = of_x.row(i).tail(dim - 3);
+      A.row(row(i)).segment(local.noise_column, dim) = of_noise.row(i);
+    }
+  }
+}
+
+void Marginaliser::update_landmark(Graph& graph, const LocalElimination& local,
+                                   const Leaving& leaving) {
+  const Departure& d = local.departure();
+  GraphLandmark& l = graph[d.landmark];
+  const VariableId oldest = leaving.oldest ? leaving.oldest->position : -1;
+  if (d.steps > 0) {
+    for (const VariableId id : {l.y, l.w}) graph.variables[id].linearisation_point.reset();
+    graph.variables[l.y].value = local.next.head<3>();
+    graph.variables[l.w].value = local.next.tail(local.next.size() - 3);
+    l.chain.erase(l.chain.begin(), l.chain.begin() + d.steps);
+  }
+  if (d.all_rows || l.anchor == oldest) l.birth = {};
+  std::erase_if(l.pixels, [&](const GraphPixel& p) { return d.all_rows || p.position == oldest; });
+  for (GraphPixel& p : l.pixels) p.depth -= d.steps;
+  if (d.absorbs_prior_of_w) l.w_sigmas.resize(0);
+}
+
+void Marginaliser::operator()(Graph& graph, const Leaving& leaving) {
+  if (leaving.empty()) return;
+  const VariableId oldest = leaving.oldest ? leaving.oldest->position : -1;
+  local_count_ = leaving.departures.size();
+  if (locals_.size() < local_count_) locals_.resize(local_count_);
+  for (std::size_t i = 0; i < local_count_; ++i) {
+    locals_[i].compute(graph, leaving.departures[i], oldest);
+  }
+  order_columns(graph, leaving);
+  count_rows(graph, leaving);
+  fill(graph, leaving);
+  ConditionalMap& map = graph.prior().inactive;
+  map.relinearise(graph.prior().active, total_);
+  for (const VariableId id : leaving.deactivated) {
+    map.deactivate(graph.variables[id], graph.variables[id].column);
+  }
+  const Triangularise::Staircase rows = triangularise_(*A_, sorted_starts_, gone_, total_);
+  update_map(graph, leaving, rows);
+
+  for (std::size_t i = 0; i < local_count_; ++i) update_landmark(graph, locals_[i], leaving);
+  std::erase_if(order_, [&](const Variable* v) { return v->column < gone_; });
+  const Eigen::Index kept = rows.rows - rows.rows_of_first;
+  // A prior that says nothing touches nothing.
+  if (kept == 0 && map.empty()) order_.clear();
+  const Eigen::Index cols = order_.empty() ? 0 : total_ - gone_;
+  graph.prior().active.set(order_, (*A_).block(rows.rows_of_first, gone_, kept, cols),
+                           (*A_).col(total_).segment(rows.rows_of_first, kept));
+  remove(graph, leaving);
+}
+
+// Variables that are gone, and the factors of the oldest camera.
+void Marginaliser::remove(Graph& graph, const Leaving& leaving) {
+  if (leaving.oldest) {
+    graph.initial.reset();
+    if (!graph.motions.empty()) graph.motions.erase(graph.motions.begin());
+  }
+  for (const Departure& d : leaving.departures) {
+    GraphLandmark& l = graph[d.landmark];
+    if (d.forgets_w && !d.leaves) l.w = -1;
+  }
+  for (const VariableId id : going_) graph.variables.remove(id);
+  for (const Departure& d : leaving.departures) {
+    if (d.leaves) graph.remove_landmark(d.landmark);
+  }
+  for (const VariableId id : leaving.deactivated) graph.variables[id].is_active = false;
 }
 
 }  // namespace slammot

@@ -1,36 +1,53 @@
-// Marginalisation in square-root form: the factors of variables that leave become part of the
-// prior.
+// Marginalisation in square-root form: what leaves the graph becomes part of the prior, once a
+// frame for all of it.
+//
+// The prior and all rows that leave are stacked as A dx + b at the current estimate, with the
+// leaving columns first. (A b) is brought to triangular form, and the rows below the leaving ones
+// are the new prior. The Hessian is never formed. What only a landmark's own rows touch has been
+// eliminated before (local_elimination.h).
 #pragma once
 
-#include <set>
-
-#include "smoothers/graph/graph.h"
+#include "smoothers/solver/local_elimination.h"
 
 namespace slammot {
 
-// The state x = (y, w) of a free landmark is replaced by its next one, x1 = f(x) + G noise, so that
-// dx = F^-1 (dx1 - G dnoise). The variables y and w are x1 from then on. Q = G G' is never inverted
-// (this is the time update of a square-root information filter, Bierman 1977): it may be singular.
-struct Advance {
-  VariableId y = 0, w = 0, noise = 0;
-  SmallMatrix F_inverse;  // F = df/dx
-  SmallMatrix G;
-  SmallVector next;  // x1 at the current estimate; y is its first three numbers
+struct Leaving {
+  std::optional<GraphCamera> oldest;    // with its measurements and its motion; its position stays
+  std::vector<Departure> departures;    // of landmarks that have rows to give
+  std::vector<VariableId> anchors;      // that no landmark uses any more; in the prior, or nowhere
+  std::vector<VariableId> deactivated;  // moved to the conditional map; nothing else touches them
+
+  void clear();
+  bool empty() const { return !oldest && departures.empty(); }
 };
 
-// Marginalises `leaving`, and moves `deactivated` to the conditional map.
-//
-// The prior and all factors that touch one of them or an advancing state are stacked as A dx + b at
-// the current estimate. The substitutions are made in their order, (A b) is brought to triangular
-// form with the leaving columns first, and the rows below those are the new prior. The Hessian is
-// never formed. The stacked factors and the leaving variables are removed from the graph.
-//
-// Every noise of `advances` must leave; factors of an advancing state go into the prior, so any
-// that are to be kept must be taken out before and added again. `absorbed` factors become part of
-// the prior too, though nothing they touch leaves. No other factor may touch `deactivated`
-// variables.
-void marginalise(Graph& graph, const std::set<VariableId>& leaving,
-                 const std::vector<Advance>& advances = {}, const std::set<FactorId>& absorbed = {},
-                 const std::set<VariableId>& deactivated = {});
+class Marginaliser {
+ public:
+  void operator()(Graph& graph, const Leaving& leaving);
+
+ private:
+  void order_columns(Graph& graph, const Leaving& leaving);
+  void count_rows(const Graph& graph, const Leaving& leaving);
+  void fill(const Graph& graph, const Leaving& leaving);
+  void count_prior_rows(const Graph& graph);
+  void fill_prior(const Graph& graph, Eigen::Index first);
+  void remove(Graph& graph, const Leaving& leaving);
+  void update_map(Graph& graph, const Leaving& leaving, const Triangularise::Staircase& rows);
+  void update_landmark(Graph& graph, const LocalElimination& local, const Leaving& leaving);
+  void take(Variable& variable);
+  void add_rows(int start, Eigen::Index count);
+
+  std::vector<LocalElimination> locals_;  // those in use come first
+  std::size_t local_count_ = 0;
+  std::vector<Variable*> order_;  // by column; noises are not among them
+  std::vector<VariableId> going_;
+  int gone_ = 0, total_ = 0;
+  std::vector<int> starts_;                   // of each row, in the order in which they are made
+  std::vector<int> sorted_starts_;            // in that of the matrix
+  std::vector<Eigen::Index> row_, by_start_;  // where each goes, and which comes there
+  std::vector<int> first_from_;  // of the prior's columns: where a row that begins there begins
+  GrowingMatrix A_;
+  Triangularise triangularise_;
+};
 
 }  // namespace slammot

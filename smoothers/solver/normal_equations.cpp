@@ -1,235 +1,199 @@
 #include "smoothers/solver/normal_equations.h"
 
-#include <algorithm>
-#include <stdexcept>
-#include <unordered_map>
-
 #include "estimation/estimator.h"
+#include "models/so3.h"
+#include "smoothers/linear/lapack.h"
+#include "smoothers/solver/camera_parts.h"
 
 namespace slammot {
 
-NormalEquations::NormalEquations(const Graph& graph, double damping) {
-  place_variables(graph);
-  add_prior(graph);
-  add_factors(graph);
-  eliminate_blocks(damping);
-  core_.compute(U_);
-  if (core_.info() != Eigen::Success) {
+void NormalEquations::factorise(Graph& graph, const GraphCamera& camera, double damping) {
+  camera_ = camera;
+  turn_.setIdentity();
+  place(graph);
+  S_.resize(core_dim_, core_dim_);
+  (*S_).setZero();
+  g_.setZero(core_dim_);
+  graph.prior().active.add_to(*S_, g_);
+  add_cameras(graph);
+  if (damping > 0.0) squares_ = (*S_).diagonal();
+  add_blocks(graph, damping);
+  if (damping > 0.0) (*S_).diagonal() += damping * squares_;
+  factorise_core(graph);
+  camera_columns_.resize(core_dim_, 0);
+  for (Joint& joint : joints_) joint.known = joint.is_new = false;
+}
+
+// Rates that only motion factors tie, newest first; then poses, oldest first, each with position
+// and orientation side by side; then the newest camera, the prior's variables in its order, and the
+// rest. So the rates are eliminated cheaply (factorise_rates), and what is asked of the newest
+// camera and the map lies in the last rows.
+void NormalEquations::place(Graph& graph) {
+  constexpr int kInPrior = -2;
+  core_dim_ = 0;
+  const auto to_core = [&](Variable& v) {
+    if (v.core >= 0) return;
+    v.core = core_dim_;
+    core_dim_ += v.dim();
+  };
+  graph.variables.for_each([](Variable& v) { v.core = -1; });
+  for (const MarginalPrior::Block& block : graph.prior().active.blocks()) {
+    graph.variables[block.variable->id].core = kInPrior;
+  }
+  const auto& motions = graph.motions;
+  for (std::size_t i = motions.size(); i-- > 1;) {
+    Variable& rates = graph.variables[motions[i].from.rates];
+    if (rates.core == kInPrior) break;
+    to_core(rates);
+  }
+  rates_dim_ = core_dim_;
+  for (const CameraMotionFactor& f : motions) {
+    to_core(graph.variables[f.from.position]);
+    to_core(graph.variables[f.from.orientation]);
+  }
+  newest_core_ = core_dim_;
+  for (const VariableId id : {camera_.position, camera_.orientation, camera_.rates}) {
+    to_core(graph.variables[id]);
+  }
+  for (const MarginalPrior::Block& block : graph.prior().active.blocks()) {
+    to_core(graph.variables[block.variable->id]);
+  }
+  graph.variables.for_each([&](Variable& v) {
+    if (!v.is_private) to_core(v);
+  });
+  camera_core_[0] = graph.variables[camera_.position].core;
+  camera_core_[1] = graph.variables[camera_.orientation].core;
+  camera_core_[2] = graph.variables[camera_.rates].core;
+}
+
+// The rates of a few cameras at once. Those of one camera are tied to the poses of it and of its
+// neighbours; once newer ones are eliminated also to all newer poses, which stand side by side, and
+// to the next older rates.
+void NormalEquations::factorise_core(const Graph& graph) {
+  constexpr std::size_t kCameras = 4;
+  auto S = *S_;
+  bool is_definite = true;
+  const auto& motions = graph.motions;
+  const auto rates_core = [&](std::size_t i) {
+    return graph.variables[motions[i].from.rates].core;
+  };
+  const int poses_end = newest_core_ + kCameraDim;
+  for (std::size_t newest = motions.size() - 1, left = static_cast<std::size_t>(rates_dim_ / 6);
+       left > 0 && is_definite;) {
+    const std::size_t count = std::min(left, kCameras), next = newest - count;
+    const int first = rates_core(newest), width = 6 * static_cast<int>(count);
+    const int older = rates_core(next);
+    const int poses = graph.variables[motions[next].from.position].core;
+    auto L = S.block(first, first, width, width);
+    auto rates = S.block(older, first, 6, width);
+    auto pose = S.block(poses, first, poses_end - poses, width);
+    is_definite = cholesky_in_place(L);
+    L.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(rates);
+    L.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(pose);
+    S.block<6, 6>(older, older).noalias() -= rates * rates.transpose();
+    if (older > poses) {
+      S.block(older, poses, 6, pose.rows()).noalias() -= rates * pose.transpose();
+    } else {
+      S.block(poses, older, pose.rows(), 6).noalias() -= pose * rates.transpose();
+    }
+    S.block(poses, poses, pose.rows(), pose.rows())
+        .selfadjointView<Eigen::Lower>()
+        .rankUpdate(pose, -1.0);
+    newest = next;
+    left -= count;
+  }
+  const int rest = core_dim_ - rates_dim_;
+  if (!is_definite || !cholesky_in_place(S.bottomRightCorner(rest, rest))) {
     throw Diverged("the information matrix of the window is not positive definite");
   }
 }
 
 namespace {
 
-// Of a landmark's private variable: it may be eliminated as a noise.
-bool is_unit_prior(const Factor& factor) {
-  return factor.variables.size() == 1 && factor.at.front()->owner >= 0 &&
-         factor.J.rows() == factor.J.cols() && factor.J.isIdentity(0.0);
+void add_product(const Graph& graph, const GraphCamera& camera_a, const Matrix12d& J_a,
+                 const GraphCamera& camera_b, const Matrix12d& J_b, MatrixRef H) {
+  const Matrix12d product = J_a.transpose() * J_b;
+  for (const CameraPart& a : parts(camera_a)) {
+    const int row = graph.variables[a.variable].core;
+    for (const CameraPart& b : parts(camera_b)) {
+      const int column = graph.variables[b.variable].core;
+      if (row < column) continue;
+      H.block(row, column, a.dim, b.dim) += product.block(a.column, b.column, a.dim, b.dim);
+    }
+  }
+}
+
+void add_gradient(const Graph& graph, const GraphCamera& camera, const Matrix12d& J,
+                  const Vector12d& r, Eigen::VectorXd& g) {
+  const Vector12d gradient = J.transpose() * r;
+  for (const CameraPart& p : parts(camera)) {
+    g.segment(graph.variables[p.variable].core, p.dim) += gradient.segment(p.column, p.dim);
+  }
 }
 
 }  // namespace
 
-void NormalEquations::place_variables(const Graph& graph) {
-  for (const auto& [id, v] : graph.variables()) places_.emplace_back(id, Place{});
-  const auto place_of = [&](VariableId id) -> Place& { return places_[index(id)].second; };
-  const auto to_core = [&](VariableId id, int dim) {
-    place_of(id) = {Place::Part::kCore, -1, core_dim_, dim};
-    core_dim_ += dim;
-  };
-  for (const auto& [id, factor] : graph.factors()) {
-    if (is_unit_prior(factor)) place_of(factor.variables.front()).part = Place::Part::kNoises;
+void NormalEquations::add_cameras(const Graph& graph) {
+  if (graph.initial) {
+    const InitialCameraFactor& f = *graph.initial;
+    add_product(graph, f.camera, f.J, f.camera, f.J, *S_);
+    add_gradient(graph, f.camera, f.J, f.r, g_);
   }
-  for (const MarginalPrior::Block& b : graph.prior().active.blocks()) {
-    to_core(b.variable->id, b.dim());
+  for (const CameraMotionFactor& f : graph.motions) {
+    add_product(graph, f.from, f.J_from, f.from, f.J_from, *S_);
+    add_product(graph, f.from, f.J_from, f.to, f.J_to, *S_);
+    add_product(graph, f.to, f.J_to, f.from, f.J_from, *S_);
+    add_product(graph, f.to, f.J_to, f.to, f.J_to, *S_);
+    add_gradient(graph, f.from, f.J_from, f.r, g_);
+    add_gradient(graph, f.to, f.J_to, f.r, g_);
   }
-  std::unordered_map<int, int> block_of_owner;
-  auto next = places_.begin();
-  for (const auto& [id, v] : graph.variables()) {
-    Place& here = next++->second;
-    if (here.dim > 0) continue;  // in the prior
-    if (v.owner < 0) {
-      to_core(id, v.dim());
-      continue;
-    }
-    const auto [it, is_new] = block_of_owner.try_emplace(v.owner, static_cast<int>(blocks_.size()));
-    if (is_new) blocks_.emplace_back();
-    const auto k = static_cast<std::size_t>(it->second);
-    here = blocks_[k].add_variable(it->second, v.dim(), here.part == Place::Part::kNoises);
-  }
-  U_.setZero(core_dim_, core_dim_);
-  g_.setZero(core_dim_);
-}
-
-std::size_t NormalEquations::index(VariableId id) const {
-  const auto found =
-      std::lower_bound(places_.begin(), places_.end(), id,
-                       [](const auto& p, VariableId wanted) { return p.first < wanted; });
-  if (found == places_.end() || found->first != id) {
-    throw std::logic_error("a variable that is not in the graph has no place in its equations");
-  }
-  return static_cast<std::size_t>(found - places_.begin());
-}
-
-void NormalEquations::add_prior(const Graph& graph) {
-  const MarginalPrior& prior = graph.prior().active;
-  const int n = prior.cols();
-  if (n > 0) prior.normal_equations(U_.topLeftCorner(n, n), g_.head(n));
-}
-
-void NormalEquations::add_factors(const Graph& graph) {
-  reduced_g_ = g_;
-  std::vector<const Place*> all;  // of one factor after the other
-  std::vector<int> block;         // of each factor: its Schur block, or -1
-  for (const auto& [id, factor] : graph.factors()) {
-    block.push_back(-1);
-    for (const VariableId v : factor.variables) {
-      all.push_back(&place(v));
-      block.back() = std::max(block.back(), all.back()->block);
-    }
-    if (block.back() < 0) continue;
-    const Places places = std::span(all).last(factor.variables.size());
-    blocks_[static_cast<std::size_t>(block.back())].tie(places, factor.r.size());
-  }
-  for (SchurBlock& b : blocks_) b.begin();
-  auto of_factor = block.begin();
-  std::span<const Place* const> rest(all);
-  for (const auto& [id, factor] : graph.factors()) {
-    const Places places = rest.first(factor.variables.size());
-    rest = rest.subspan(places.size());
-    if (*of_factor >= 0) blocks_[static_cast<std::size_t>(*of_factor)].add(factor, places);
-    add_to_core(factor, places);
-    ++of_factor;
+  if (graph.scene) {
+    const int core = graph.variables[graph.scene->scene].core;
+    (*S_)(core, core) += 1.0 / (graph.scene->sigma * graph.scene->sigma);
+    g_(core) += graph.scene->r / graph.scene->sigma;
   }
 }
 
-// What a factor says of the core. Where noises of a block stand beside it, H gets it once these are
-// eliminated.
-void NormalEquations::add_to_core(const Factor& factor, Places places) {
-  const bool has_noise = SchurBlock::has_noise(places);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Place& a = *places[i];
-    if (a.block >= 0) continue;
-    const auto J_t = factor.jacobian(i).transpose();
-    const SmallVector g = J_t.lazyProduct(factor.r);
-    g_.segment(a.offset, a.dim) += g;
-    if (has_noise) continue;
-    reduced_g_.segment(a.offset, a.dim) += g;
-    for (std::size_t j = 0; j < places.size(); ++j) {
-      const Place& b = *places[j];
-      if (b.block >= 0 || b.offset > a.offset) continue;  // U's lower triangle
-      U_.block(a.offset, b.offset, a.dim, b.dim) += J_t.lazyProduct(factor.jacobian(j));
-    }
+void NormalEquations::add_blocks(const Graph& graph, double damping) {
+  blocks_.resize(std::max(blocks_.size(), graph.landmarks.size()));
+  joints_.resize(blocks_.size());
+  for (std::size_t id = 0; id < graph.landmarks.size(); ++id) {
+    const GraphLandmark& landmark = graph.landmarks[id];
+    if (!landmark.is_alive || !graph.variables[landmark.y].is_active) continue;
+    blocks_[id].eliminate(graph, landmark, damping);
+    blocks_[id].add_to(*S_, g_);
+    if (damping > 0.0) blocks_[id].add_squares(squares_);
   }
 }
 
-void NormalEquations::eliminate_blocks(double damping) {
-  Eigen::VectorXd squares = U_.diagonal();
-  for (SchurBlock& block : blocks_) {
-    block.eliminate(damping);
-    const std::vector<int>& columns = block.core_columns();
-    if (damping > 0.0) squares(columns) += block.core_squares();
-    reduced_g_(columns) += block.core_gradient();
-    const auto n = std::ssize(columns);
-    for (Eigen::Index j = 0; j < n; ++j) {
-      double* column = &U_(0, columns[static_cast<std::size_t>(j)]);
-      const auto of_block = block.core_information().col(j);
-      for (Eigen::Index i = j; i < n; ++i)
-        column[columns[static_cast<std::size_t>(i)]] += of_block(i);
-    }
+void NormalEquations::add(const Graph& graph, LandmarkId id) {
+  const auto i = static_cast<std::size_t>(id);
+  blocks_.resize(std::max(blocks_.size(), i + 1));
+  joints_.resize(blocks_.size());
+  blocks_[i].eliminate(graph, graph[id], 0.0);
+  joints_[i].known = false;
+  joints_[i].is_new = true;
+}
+
+void NormalEquations::solve(Graph& graph) const {
+  core_ = -g_;
+  const auto L = (*S_).triangularView<Eigen::Lower>();
+  L.solveInPlace(core_);
+  L.transpose().solveInPlace(core_);
+  if (!core_.allFinite()) throw Diverged("the step of the window is not finite");
+  graph.variables.for_each([&](Variable& v) {
+    if (v.core >= 0) v.step = core_.segment(v.core, v.dim());
+  });
+  for (std::size_t id = 0; id < graph.landmarks.size(); ++id) {
+    GraphLandmark& landmark = graph.landmarks[id];
+    if (!landmark.is_alive || !graph.variables[landmark.y].is_active) continue;
+    blocks_[id].step(core_, graph, landmark);
   }
-  U_.diagonal() += damping * squares;
 }
 
-Eigen::VectorXd NormalEquations::part(const Place& at, const Eigen::VectorXd& core,
-                                      const std::vector<SchurBlock::Part>& blocks) const {
-  if (at.block < 0) return core.segment(at.offset, at.dim);
-  const SchurBlock::Part& block = blocks[static_cast<std::size_t>(at.block)];
-  const bool is_noise = at.part == Place::Part::kNoises;
-  return (is_noise ? block.noises : block.states).segment(at.offset, at.dim);
-}
-
-Step NormalEquations::step() const {
-  const Eigen::VectorXd core = -core_.solve(reduced_g_);
-  if (!core.allFinite()) throw Diverged("the step of the window is not finite");
-  std::vector<SchurBlock::Part> parts;
-  for (const SchurBlock& block : blocks_) parts.push_back(block.step(core));
-  Step step;
-  for (const auto& [id, at] : places_) step[id] = part(at, core, parts);
-  return step;
-}
-
-double NormalEquations::predicted_decrease(const Step& step) const {
-  std::vector<SchurBlock::Part> parts;
-  for (const SchurBlock& block : blocks_) parts.push_back(block.gradient());
-  double sum = 0.0;
-  for (const auto& [id, at] : places_) sum += part(at, g_, parts).dot(step.at(id));
-  return -sum;
-}
-
-// Brings C from the projection's columns in the core to what they are once its block is eliminated;
-// returns what the block adds to the covariance.
-Eigen::MatrixXd NormalEquations::eliminate_block(const StateProjection& projection,
-                                                 Eigen::Ref<Eigen::MatrixXd> C) const {
-  const Eigen::Index rows = projection.J.rows();
-  const SchurBlock* block = nullptr;
-  Eigen::MatrixXd E_states, E_noises;
-  Eigen::Index at = 0;
-  for (const VariableId id : projection.variables) {
-    const Place& p = place(id);
-    const auto J_t = projection.J.middleCols(at, p.dim).transpose();
-    at += p.dim;
-    if (p.block < 0) {
-      C.middleRows(p.offset, p.dim) += J_t;
-      continue;
-    }
-    if (!block) {
-      block = &blocks_[static_cast<std::size_t>(p.block)];
-      E_states.setZero(block->states(), rows);
-      E_noises.setZero(block->noises(), rows);
-    }
-    const bool is_noise = p.part == Place::Part::kNoises;
-    (is_noise ? E_noises : E_states).middleRows(p.offset, p.dim) += J_t;
-  }
-  if (!block) return Eigen::MatrixXd::Zero(rows, rows);
-  Eigen::MatrixXd tied = C(block->core_columns(), Eigen::all);
-  Eigen::MatrixXd P = block->covariance(E_states, E_noises, tied);
-  C(block->core_columns(), Eigen::all) = tied;
-  return P;
-}
-
-// J Sigma J' is what the block adds and C' S^-1 C.
-std::vector<Eigen::MatrixXd> NormalEquations::covariances(
-    const std::vector<StateProjection>& projections) const {
-  if (projections.empty()) return {};
-  Eigen::Index total = 0;
-  for (const StateProjection& projection : projections) total += projection.J.rows();
-  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(core_dim_, total);
-  std::vector<Eigen::MatrixXd> result;
-  Eigen::Index column = 0;
-  for (const StateProjection& projection : projections) {
-    const Eigen::Index rows = projection.J.rows();
-    result.push_back(eliminate_block(projection, C.middleCols(column, rows)));
-    column += rows;
-  }
-  core_.matrixL().solveInPlace(C);
-  column = 0;
-  for (Eigen::MatrixXd& P : result) {
-    const auto Y = C.middleCols(column, P.rows());
-    P += Y.transpose() * Y;
-    column += P.rows();
-  }
-  return result;
-}
-
-std::vector<Eigen::MatrixXd> NormalEquations::covariances(
-    const std::vector<std::vector<VariableId>>& sets) const {
-  std::vector<StateProjection> projections;
-  for (const auto& set : sets) {
-    int dim = 0;
-    for (const VariableId id : set) dim += place(id).dim;
-    projections.push_back({set, Eigen::MatrixXd::Identity(dim, dim)});
-  }
-  return covariances(projections);
+void NormalEquations::follow_step(const Graph& graph) {
+  if (graph.fixed_points()) return;
+  turn_ = right_jacobian_so3(Eigen::Vector3d(graph.variables[camera_.orientation].step));
 }
 
 }  // namespace slammot

@@ -1,61 +1,90 @@
 // The normal equations of a graph's stored linearisation, factorised once: the Gauss-Newton step
-// and every marginal covariance are read from the same factorisation.
+// and every marginal covariance are read from the same factorisation, until the graph is solved
+// anew.
 //
-// The private variables of each landmark are eliminated first (schur_block.h), and the core that is
-// left (cameras, anchors, everything in the prior) by one dense Cholesky factor:
+// The private variables of each landmark are eliminated first (landmark_block.h), and the core that
+// is left (cameras, anchors, everything in the prior) by one dense Cholesky factor:
 //   S = U + sum of the blocks' information,   Sigma_core = S^-1.
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <span>
 
-#include "smoothers/graph/state_projection.h"
-#include "smoothers/solver/schur_block.h"
+#include "smoothers/solver/landmark_block.h"
 
 namespace slammot {
 
+inline constexpr int kMaxJoint = kCameraDim + 3 + kMaxLandmark;
+using JointMatrix = BoundedMatrix<Eigen::Dynamic, Eigen::Dynamic, kMaxJoint, kMaxJoint>;
+
 class NormalEquations {
  public:
-  // `damping` multiplies the diagonal of H by 1 + damping (Marquardt 1963); covariances want none.
-  // Throws Diverged when H is not positive definite.
-  explicit NormalEquations(const Graph& graph, double damping = 0.0);
+  // `camera`: whose marginal will be asked for. `damping` multiplies the diagonal of H by
+  // 1 + damping (Marquardt 1963); covariances want none. Throws Diverged when H is not positive
+  // definite.
+  void factorise(Graph& graph, const GraphCamera& camera, double damping = 0.0);
 
-  // dx = -H^-1 J'r of every variable. Throws Diverged when it is not finite.
-  Step step() const;
+  // dx = -H^-1 J'r, as Variable::step and ChainStep::step. Throws Diverged when it is not finite.
+  void solve(Graph& graph) const;
 
-  // -J'r . dx. For the undamped step() this is the squared Newton decrement: by how much it lowers
-  // chi-square (twice Graph::cost) of the linearised problem, never negative.
-  double predicted_decrease(const Step& step) const;
+  // After solve() and Graph::retract(): marginals are asked for in the tangent spaces there.
+  // (Before, or when no step was taken, in those of the linearisation.)
+  void follow_step(const Graph& graph);
 
-  // J Sigma J' of each projection, in the tangent spaces of the linearisation. Only active
-  // variables may be projected (substitute_inactive), all known when these equations were built:
-  // any other throws std::logic_error.
-  std::vector<Eigen::MatrixXd> covariances(const std::vector<StateProjection>& projections) const;
+  // A landmark that has been added since says nothing about the core yet.
+  void add(const Graph& graph, LandmarkId id);
 
-  // Sigma of each set of variables, in the order given. At most one landmark's private states may
-  // be in a set.
-  std::vector<Eigen::MatrixXd> covariances(const std::vector<std::vector<VariableId>>& sets) const;
+  // Covariance of the camera; and of any other of the graph, at the linearisation.
+  Matrix12d camera_covariance();
+  Matrix12d camera_covariance(const Graph& graph, const GraphCamera& camera) const;
+
+  // Joint covariance of the camera (12), a landmark's anchor (3) and its newest state as it was
+  // when these equations were built (y alone when static). Landmarks are to be announced together.
+  void prepare(const Graph& graph, std::span<const LandmarkId> landmarks);
+  const JointMatrix& joint(LandmarkId id) const {
+    return joints_[static_cast<std::size_t>(id)].covariance;
+  }
+  // Chain steps that this newest state lies after the base.
+  int steps(LandmarkId id) const { return blocks_[static_cast<std::size_t>(id)].steps(); }
+  int state_dim(const Graph& graph, LandmarkId id) const;
 
  private:
-  void place_variables(const Graph& graph);
-  void add_prior(const Graph& graph);
-  void add_factors(const Graph& graph);
-  void add_to_core(const Factor& factor, Places places);
-  void eliminate_blocks(double damping);
-  Eigen::MatrixXd eliminate_block(const StateProjection& projection,
-                                  Eigen::Ref<Eigen::MatrixXd> C) const;
-  std::size_t index(VariableId id) const;  // in places_
-  const Place& place(VariableId id) const { return places_[index(id)].second; }
-  // A vector over all variables, from its parts.
-  Eigen::VectorXd part(const Place& at, const Eigen::VectorXd& core,
-                       const std::vector<SchurBlock::Part>& blocks) const;
+  struct Joint {
+    bool known = false;
+    bool is_new = false;  // add()
+    JointMatrix covariance;
+  };
 
-  std::vector<std::pair<VariableId, Place>> places_;  // by id
-  std::vector<SchurBlock> blocks_;
-  int core_dim_ = 0;
-  Eigen::MatrixXd U_;          // lower triangle; S once the blocks are eliminated
-  Eigen::VectorXd g_;          // J'r
-  Eigen::VectorXd reduced_g_;  // the same, once the blocks are eliminated
-  Eigen::LLT<Eigen::MatrixXd> core_;
+  // A landmark whose marginal is asked for; `low`: only the last rows of the core concern it.
+  struct Asked {
+    LandmarkId id = 0;
+    bool low = false;
+    Eigen::Index column = 0;
+  };
+
+  void place(Graph& graph);
+  void factorise_core(const Graph& graph);
+  bool lies_low(const Graph& graph, LandmarkId id) const;
+  void fill_columns(const Graph& graph, LandmarkId id, Eigen::Ref<Eigen::MatrixXd> C);
+  void add_cameras(const Graph& graph);
+  void add_blocks(const Graph& graph, double damping);
+  void compute_camera();
+  void columns_of(const Graph& graph, VariableId id, Eigen::Ref<Eigen::MatrixXd> E) const;
+  void inactive_covariance(const Graph& graph, const GraphLandmark& landmark,
+                           JointMatrix& covariance) const;
+
+  GraphCamera camera_;
+  int camera_core_[3] = {0, 0, 0};
+  int core_dim_ = 0, rates_dim_ = 0, newest_core_ = 0;  // the rates' rows come first
+  GrowingMatrix S_;                                     // lower triangle; its Cholesky factor
+  Eigen::VectorXd g_, squares_;
+  mutable Eigen::VectorXd core_;
+  std::vector<LandmarkBlock> blocks_;  // by LandmarkId
+  std::vector<Joint> joints_;          // by LandmarkId
+  GrowingMatrix camera_columns_;       // L^-1 of the camera's, 12 of them
+  Matrix12d camera_covariance_;
+  Eigen::Matrix3d turn_;           // right Jacobian of the camera's last step
+  GrowingMatrix columns_, cross_;  // scratch
+  std::vector<Asked> asked_;
 };
 
 }  // namespace slammot

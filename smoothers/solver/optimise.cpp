@@ -9,41 +9,59 @@ namespace {
 constexpr double kFirstDamping = 1e-3;
 constexpr double kDampingFactor = 10.0;
 constexpr int kTries = 8;
+constexpr double kRounding = 1e-9;  // a cost that is higher by less is not higher
 
-Step no_step(const Graph& graph) {
-  Step step;
-  for (const auto& [id, v] : graph.variables()) step[id] = SmallVector::Zero(v.dim());
-  return step;
+void clear_step(Graph& graph) {
+  graph.variables.for_each([](Variable& v) { v.step.setZero(v.dim()); });
+  for (GraphLandmark& landmark : graph.landmarks) {
+    for (ChainStep& step : landmark.chain) step.step.setZero(step.noise.size());
+  }
 }
 
 }  // namespace
 
-OptimiseResult optimise(Graph& graph, int iterations, double cost_tolerance) {
+// A step that does not raise the cost; none when there is none.
+bool Optimiser::find_step(Graph& graph, const GraphCamera& camera, double cost, bool is_last,
+                          double& damping) {
+  const double most = cost + kRounding;
+  if (damping > 0.0) {
+    damped_.factorise(graph, camera, damping);
+    damped_.solve(graph);
+  }
+  if (graph.cost_after_step() <= most) return true;
+  for (int k = 0; !is_last && k < kTries; ++k) {
+    damping = std::max(kFirstDamping, kDampingFactor * damping);
+    damped_.factorise(graph, camera, damping);
+    damped_.solve(graph);
+    if (graph.cost_after_step() <= most) return true;
+  }
+  clear_step(graph);
+  return false;
+}
+
+void Optimiser::operator()(Graph& graph, const GraphCamera& camera, int iterations,
+                           double cost_tolerance) {
   double damping = 0.0;
   for (int i = 1;; ++i) {
     const double before = graph.linearise();
-    OptimiseResult result{NormalEquations(graph), {}};
-    result.last_step = result.equations.step();
-    const bool last =
-        i >= iterations || result.equations.predicted_decrease(result.last_step) < cost_tolerance;
-    if (iterations == 1 || graph.prior().first_estimates()) {
-      graph.retract(result.last_step);
-      if (last) return result;
-      continue;
+    equations_.factorise(graph, camera);
+    equations_.solve(graph);
+    bool last = i >= iterations || graph.predicted_decrease() < cost_tolerance;
+    if (iterations > 1 && !graph.fixed_points()) {
+      last = !find_step(graph, camera, before, last, damping) || last;
+      damping = damping > kFirstDamping ? damping / kDampingFactor : 0.0;
     }
-    Step step = damping == 0.0 ? result.last_step : NormalEquations(graph, damping).step();
-    bool lower = graph.cost(step) <= before;
-    for (int k = 0; !lower && !last && k < kTries; ++k) {
-      damping = std::max(kFirstDamping, kDampingFactor * damping);
-      step = NormalEquations(graph, damping).step();
-      lower = graph.cost(step) <= before;
-    }
-    if (!lower) step = no_step(graph);
-    graph.retract(step);
-    result.last_step = std::move(step);
-    if (last || !lower) return result;
-    damping = damping > kFirstDamping ? damping / kDampingFactor : 0.0;
+    graph.retract();
+    equations_.follow_step(graph);
+    if (last) return;
   }
+}
+
+void Optimiser::take_step(Graph& graph, const GraphCamera& camera) {
+  equations_.factorise(graph, camera);
+  equations_.solve(graph);
+  graph.retract();
+  equations_.follow_step(graph);
 }
 
 }  // namespace slammot

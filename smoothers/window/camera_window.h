@@ -1,14 +1,11 @@
-// The cameras in a sliding window: two variables a frame, and what was believed of those that left.
+// The cameras in a sliding window, and what was believed of those that left.
 #pragma once
 
 #include <deque>
 #include <memory>
-#include <set>
 
-#include "models/camera_motion.h"
 #include "models/measurement.h"
 #include "models/truth.h"
-#include "smoothers/factors/camera_manifold.h"
 #include "smoothers/graph/graph.h"
 
 namespace slammot {
@@ -17,9 +14,7 @@ struct WindowFrame {
   int number = 0;  // counted from the first frame processed
   int index = 0;   // Frame::index
   double timestamp = 0.0;
-  VariableId position = 0;  // lives on as the anchor of the landmarks initialised here
-  VariableId motion = 0;
-  std::set<FactorId> birth_priors;  // of these landmarks; they leave with the frame
+  GraphCamera camera;  // its position lives on as the anchor of the landmarks initialised here
 };
 
 class CameraWindow {
@@ -34,17 +29,15 @@ class CameraWindow {
   void advance(const Frame& frame, double dt, const MotionNoise& noise);
 
   // Takes the oldest out of the window; its variables are the caller's to marginalise.
-  WindowFrame leave();
+  void leave();
 
   const std::deque<WindowFrame>& frames() const { return frames_; }
   const WindowFrame& oldest() const { return frames_.front(); }
   const WindowFrame& newest() const { return frames_.back(); }
-  WindowFrame& newest() { return frames_.back(); }
   // The frame whose position this is; frames().end() when it has left.
   std::deque<WindowFrame>::const_iterator find(VariableId position) const;
 
-  CameraState state(const WindowFrame& frame) const;
-  CameraState linearisation_point(const WindowFrame& frame) const;
+  CameraState state(const WindowFrame& frame) const { return graph_.camera(frame.camera); }
 
   struct Left {
     double timestamp;
@@ -57,7 +50,6 @@ class CameraWindow {
 
   Graph& graph_;
   std::shared_ptr<const Truth> truth_;
-  MotionManifold manifold_;
   std::deque<WindowFrame> frames_;
   std::vector<Left> left_;
 };

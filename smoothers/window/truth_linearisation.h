@@ -2,8 +2,6 @@
 // only. It shows what a smoother loses by not knowing where to linearise.
 #pragma once
 
-#include "models/camera.h"
-#include "models/observation.h"
 #include "smoothers/window/camera_window.h"
 #include "smoothers/window/window_landmark.h"
 
@@ -12,30 +10,23 @@ namespace slammot {
 class TruthLinearisation {
  public:
   // Without a truth it does nothing.
-  TruthLinearisation(std::shared_ptr<const Truth> truth, const LandmarkFunctions& functions,
-                     const LandmarkPrior& prior, Graph& graph, const CameraWindow& cameras)
-      : truth_(std::move(truth)),
-        functions_(functions),
-        prior_(prior),
-        graph_(graph),
-        cameras_(cameras) {}
+  TruthLinearisation(std::shared_ptr<const Truth> truth, Graph& graph, const CameraWindow& cameras)
+      : truth_(std::move(truth)), graph_(graph), cameras_(cameras) {}
 
   explicit operator bool() const { return truth_ != nullptr; }
 
   // The landmark's linearisation points and the G of its chain are the truth's from now on.
   void apply(const WindowLandmark& landmark) const;
 
+  // The newest measurement's h and Jacobians there; nothing where it is not in view.
+  std::optional<ObservedPixel> observe(const WindowLandmark& landmark) const;
+
+ private:
   // The true states of its chain, base to newest. Where the truth has no row, predicted from the
   // point before; a landmark labelled static stays where it was then.
   std::vector<LandmarkVector> states(const WindowLandmark& landmark) const;
 
-  // The newest measurement's h and Jacobians there; nothing where it is not in view.
-  std::optional<ObservedPixel> observe(const Camera& camera, const WindowLandmark& landmark) const;
-
- private:
   std::shared_ptr<const Truth> truth_;
-  const LandmarkFunctions& functions_;
-  LandmarkPrior prior_;
   Graph& graph_;
   const CameraWindow& cameras_;
 };

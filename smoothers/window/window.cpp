@@ -2,7 +2,6 @@
 
 #include "estimation/frame_loop.h"
 #include "models/initialisation.h"
-#include "smoothers/factors/factors.h"
 #include "smoothers/window/robust_loss.h"
 #include "smoothers/window/window_belief.h"
 
@@ -10,7 +9,7 @@ namespace slammot {
 namespace {
 
 // Whether Jacobians are taken at fixed points.
-bool first_estimates(WindowLinearisation linearisation) {
+bool fixed_points(WindowLinearisation linearisation) {
   return linearisation != WindowLinearisation::kStandard;
 }
 
@@ -31,170 +30,199 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       condition_(models.collapse == Collapse::kCondition),
       functions_(find_landmark(models.landmark)),
       loss_(make_loss(options.loss)),
-      graph_(first_estimates(options.linearisation)),
+      graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get()},
+             fixed_points(options.linearisation)),
       cameras_(graph_, truth_of(setup, options)),
-      truth_(truth_of(setup, options), functions_, setup.prior, graph_, cameras_),
-      free_landmarks_(setup_, functions_, loss_.get(), truth_, graph_),
-      scene_(add_scene(graph_, setup.prior)),
-      histories_(histories) {}
-
-// Thesis 2.1.1 and (2.5): the new camera enters at its prediction, with its motion factor. The
-// oldest frame leaves, and what is measured again returns.
-void Window::predict(const Frame& frame, double dt, StageListener& stages) {
-  if (dt == 0.0) return cameras_.start(frame, setup_.initial);
-  cameras_.advance(frame, dt, setup_.camera_noise);
-  for (auto& [track, landmark] : landmarks_) {
-    if (landmark.w) free_landmarks_.extend(landmark, dt);
+      truth_(truth_of(setup, options), graph_, cameras_),
+      histories_(histories) {
+  if (options.solver == WindowSolver::kCeres && graph_.fixed_points()) {
+    throw std::invalid_argument(
+        "window.solver ceres minimises the cost: it needs window.linearisation standard");
   }
-  stages.begin("marginalise");
-  marginalise_oldest();
-  reactivate_measured(frame);
+  if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);
+}
+
+// Thesis 2.1.1 and (2.5): the new camera enters at its prediction, with its motion factor, and the
+// chain of each free landmark grows.
+void Window::predict(const Frame& frame, double dt) {
+  if (dt == 0.0) {
+    cameras_.start(frame, setup_.initial);
+    return refactorise();
+  }
+  cameras_.advance(frame, dt, setup_.camera_noise);
+  const CameraMotionFactor& motion = graph_.motions.back();
+  const Matrix12d J_inverse = motion.J_to.inverse();
+  F_ = -J_inverse * motion.J_from;
+  Q_ = J_inverse * J_inverse.transpose();
+  for (auto& [track, landmark] : landmarks_) {
+    if (landmark.is_free) extend(landmark, dt);
+  }
 }
 
 void Window::add_known(const KnownLandmark& known) {
-  WindowLandmark& landmark = insert(known.track);
+  const VariableId anchor = cameras_.newest().camera.position;
+  const Eigen::Vector3d y = initialise_known(known, graph_.variables[anchor].value).y;
+  const WindowLandmark& landmark = insert(known.track, anchor, y);
   if (histories_) histories_->begin(known.track, cameras_.newest().number, true);
-  const Eigen::Vector3d y = initialise_known(known, graph_.value(landmark.anchor)).y;
-  landmark.y = graph_.add_variable(y, nullptr, known.track);
+  GraphLandmark& l = graph_[landmark.id];
+  l.birth.kind = BirthPrior::Kind::kKnown;
+  l.birth.known = known;
   truth_.apply(landmark);
-  cameras_.newest().birth_priors.insert(
-      graph_.add_factor({landmark.anchor, landmark.y}, known_landmark_cost(known)));
+  graph_.linearise(l);
 }
 
 void Window::innovations(std::span<const Observation> measured,
                          std::vector<PixelInnovation>& result) {
   result.clear();
-  std::vector<StateProjection> H;
-  const WindowFrame& newest = cameras_.newest();
-  const CameraState x = cameras_.state(newest);
+  measured_.clear();
+  for (const Observation& z : measured) measured_.push_back(z.track);
+  prepare(measured_);
   for (const Observation& z : measured) {
-    const WindowLandmark& l = landmarks_.at(z.track);
-    const ChainState landmark = newest_state(graph_, l);
-    const auto h = expect(setup_.camera, x.position, x.orientation, graph_.value(l.anchor),
-                          landmark.x.head<3>());
-    if (!h) continue;
-    result.push_back({z, z.pixel - h->pixel, Eigen::Matrix2d::Zero()});
-    StateProjection& form = H.emplace_back();
-    form.variables = {newest.position, newest.motion, l.anchor};
-    for (const VariableId id : state_variables(l)) form.variables.push_back(id);
-    form.J.setZero(2, 15 + landmark.J.cols());
-    const ObservedPixel at = truth_ ? truth_.observe(setup_.camera, l).value_or(*h) : *h;
-    form.J.leftCols<6>() = at.J_pose;
-    form.J.middleCols<3>(12) = at.J_anchor;
-    form.J.rightCols(landmark.J.cols()) = at.J_y * landmark.J.topRows<3>();
+    if (const auto found = innovation(z)) result.push_back(*found);
   }
-  if (H.empty()) return;
-  const std::vector<Eigen::MatrixXd> HPHt = NormalEquations(graph_).covariances(H);
-  for (std::size_t i = 0; i < result.size(); ++i) result[i].HPHt = HPHt[i];
 }
 
-void Window::update(const TrackRecords& /*records*/, std::span<const Observation> accepted) {
-  add_measurements(accepted);
-  refresh_noises();
-  optimum_ = optimise(graph_, options_.iterations, options_.cost_tolerance);
-  estimate_camera();
+std::optional<PixelInnovation> Window::innovation(const Observation& z) const {
+  const WindowLandmark& landmark = landmarks_.at(z.track);
+  const GraphLandmark& l = graph_[landmark.id];
+  const CameraState x = cameras_.state(cameras_.newest());
+  const auto h = expect(setup_.camera, x.position, x.orientation, graph_.value(l.anchor),
+                        graph_.newest_state(l).head<3>());
+  if (!h) return std::nullopt;
+  PixelInnovation result{z, z.pixel - h->pixel, Eigen::Matrix2d::Zero()};
+  const ObservedPixel at = truth_ ? truth_.observe(landmark).value_or(*h) : *h;
+  if (l.anchor == cameras_.newest().camera.position) {
+    result.HPHt = innovation_of_new(landmark, at);
+    return result;
+  }
+  const JointMatrix P = joint(landmark);
+  Eigen::Matrix<double, 2, kCameraDim + 6> H;
+  H << at.J_pose * F_.topRows<6>(), at.J_anchor, at.J_y;
+  const auto P_seen = P.topLeftCorner<kCameraDim + 6, kCameraDim + 6>();
+  result.HPHt =
+      H * P_seen * H.transpose() + at.J_pose * Q_.topLeftCorner<6, 6>() * at.J_pose.transpose();
+  return result;
 }
 
-void Window::add_measurements(std::span<const Observation> accepted) {
+// A landmark known beforehand, at its first sight: y follows from its position and the camera.
+Eigen::Matrix2d Window::innovation_of_new(const WindowLandmark& landmark,
+                                          const ObservedPixel& h) const {
+  const GraphLandmark& l = graph_[landmark.id];
+  const Eigen::Matrix3d J_y_position =
+      initialise_known(l.birth.known, graph_.variables[l.anchor].point()).J_y_position;
+  const Matrix23d J_position = h.J_y * J_y_position;
+  Eigen::Matrix<double, 2, kCameraDim> H = Eigen::Matrix<double, 2, kCameraDim>::Zero();
+  H.leftCols<6>() = h.J_pose;
+  H.leftCols<3>() += h.J_anchor - J_position;
+  const Matrix12d P = F_ * optimiser_.equations().camera_covariance() * F_.transpose() + Q_;
+  return H * P * H.transpose() +
+         std::pow(l.birth.known.sigma, 2) * J_position * J_position.transpose();
+}
+
+// What leaves the window waited for this: the frame's measurements must not be used before.
+void Window::update(const TrackRecords& /*records*/, std::span<const Observation> accepted,
+                    StageListener& stages) {
+  stages.begin("marginalise");
+  marginalise();
+  reactivate_measured();
+  stages.begin("update");
   used_.clear();
   const WindowFrame& newest = cameras_.newest();
   for (const Observation& z : accepted) {
-    WindowLandmark& l = landmarks_.at(z.track);
-    l.last_used = newest.index;
-    const auto depth = static_cast<int>(l.noises.size());
-    const WindowPixel pixel =
-        free_landmarks_.measure(l, {newest.position, newest.motion, z.pixel, depth});
-    used_.push_back({z.track, pixel.factor});
-    if (l.w) l.pixels.push_back(pixel);
+    WindowLandmark& landmark = landmarks_.at(z.track);
+    landmark.last_used = newest.index;
+    const int depth = landmark.is_free ? graph_[landmark.id].steps() : 0;
+    graph_.add_pixel(landmark.id, newest.camera, z.pixel, depth);
+    used_.push_back(z.track);
     if (histories_) histories_->measured(z.track, newest.number, z.pixel);
   }
-}
-
-double Window::refresh_noises() {
-  double change = 0.0;
-  for (auto& [track, l] : landmarks_) change = std::max(change, free_landmarks_.refresh_noises(l));
-  for (WindowLandmark& l : pruned_) change = std::max(change, free_landmarks_.refresh_noises(l));
-  return change;
+  refresh_noises();
+  solve();
+  estimate_camera();
 }
 
 // With r the residual that is left and I - J P J' its covariance, r' (I - J P J')^-1 r is the NIS
 // given all other measurements, as the EKF has it from its innovations (mathematics.md).
 void Window::leave_one_out(std::vector<LeaveOneOut>& result) {
   result.clear();
-  std::vector<Eigen::Vector2d> residuals;
-  std::vector<StateProjection> forms;
-  for (const Used& used : used_) {
-    const Factor& factor = graph_.factors().at(used.factor);
-    if (landmarks_.at(used.track).w || !factor.valid) continue;
-    result.push_back({used.track, 0.0});
-    residuals.emplace_back(factor.r);
-    forms.push_back({factor.variables, before_last_step(factor)});
-  }
-  const std::vector<Eigen::MatrixXd> JPJt = optimum_->equations.covariances(forms);
-  for (std::size_t i = 0; i < forms.size(); ++i) {
-    const Eigen::Matrix2d own = Eigen::Matrix2d::Identity() - JPJt[i];
-    result[i].nis = residuals[i].dot(own.inverse() * residuals[i]);
+  prepare(used_);
+  for (const int track : used_) {
+    const WindowLandmark& landmark = landmarks_.at(track);
+    const GraphPixel& pixel = graph_[landmark.id].pixels.back();
+    if (landmark.is_free || !pixel.valid) continue;
+    Eigen::Matrix<double, 2, kCameraDim + 6> J = Eigen::Matrix<double, 2, kCameraDim + 6>::Zero();
+    J.leftCols<6>() = pixel.at.J_pose;
+    J.rightCols<6>() << pixel.at.J_anchor, pixel.at.J_y;
+    const auto P = optimiser_.equations().joint(landmark.id);
+    const Eigen::Matrix2d own =
+        Eigen::Matrix2d::Identity() -
+        J * P.topLeftCorner<kCameraDim + 6, kCameraDim + 6>() * J.transpose();
+    result.push_back({track, pixel.at.r.dot(own.inverse() * pixel.at.r)});
   }
 }
 
 void Window::inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) {
   result.clear();
-  std::vector<StateProjection> forms;
+  prepare(tracks);
+  constexpr int kRho = kCameraDim + 5;
   for (const int track : tracks) {
-    const WindowLandmark& l = landmarks_.at(track);
-    result.push_back({graph_.value(l.y)(2), 0.0});
-    forms.push_back({{l.y}, Eigen::RowVector3d::UnitZ()});
+    const WindowLandmark& landmark = landmarks_.at(track);
+    result.push_back({graph_.value(graph_[landmark.id].y)(2),
+                      std::sqrt(optimiser_.equations().joint(landmark.id)(kRho, kRho))});
   }
-  const std::vector<Eigen::MatrixXd> variances = optimum_->equations.covariances(forms);
-  for (std::size_t i = 0; i < result.size(); ++i) result[i].sigma = std::sqrt(variances[i](0, 0));
 }
 
 void Window::motions(std::span<const int> tracks, std::vector<MotionBelief>& result) {
   result.clear();
-  std::vector<StateProjection> forms;
+  prepare(tracks);
   for (const int track : tracks) {
-    const WindowLandmark& l = landmarks_.at(track);
-    const ChainState state = newest_state(graph_, l);
+    const WindowLandmark& landmark = landmarks_.at(track);
+    const LandmarkVector x = graph_.newest_state(graph_[landmark.id]);
     MotionBelief& motion = result.emplace_back();
     motion.track = track;
-    motion.w = state.x.tail(functions_.motion);
-    motion.density_scale = functions_.density_scale(state.x);
-    forms.push_back({state_variables(l), state.J.bottomRows(functions_.motion)});
+    motion.w = x.tail(functions_.motion);
+    motion.density_scale = functions_.density_scale(x);
+    motion.covariance = joint(landmark).bottomRightCorner(functions_.motion, functions_.motion);
   }
-  const std::vector<Eigen::MatrixXd> P_w = optimum_->equations.covariances(forms);
-  for (std::size_t i = 0; i < result.size(); ++i) result[i].covariance = P_w[i];
 }
 
 // `condition` states that they never moved: their window's measurements change, and with them the
-// estimate.
+// estimate. `drop` marginalises w, at the next update.
 void Window::collapse(std::span<const int> tracks) {
   for (const int track : tracks) {
     WindowLandmark& landmark = landmarks_.at(track);
     if (histories_) {
-      std::vector<LandmarkVector> states = chain_states(graph_, landmark);
+      std::vector<LandmarkVector> states = graph_.states(graph_[landmark.id]);
       states.pop_back();
       histories_->passed(track, states);
     }
-    condition_ ? free_landmarks_.condition(landmark) : free_landmarks_.drop(landmark);
-    landmark.base = cameras_.newest().position;
-    truth_.apply(landmark);
+    landmark.is_free = false;
+    landmark.base = cameras_.newest().camera.position;
+    if (condition_) {
+      graph_.condition_on_rest(landmark.id);
+      truth_.apply(landmark);
+    } else {
+      landmark.drops = true;
+    }
   }
-  optimum_.reset();  // of the graph as it was
   if (!condition_) return;
   graph_.prior().relinearise();
-  NormalEquations equations(graph_);
-  Step step = equations.step();
-  optimum_ = OptimiseResult{std::move(equations), std::move(step)};
-  graph_.retract(optimum_->last_step);
+  optimiser_.take_step(graph_, cameras_.newest().camera);
   estimate_camera();
 }
 
 // y stays what it is, at the newest frame, where a chain begins.
 void Window::free(int track, const LandmarkPrior& prior) {
-  WindowLandmark& l = landmarks_.at(track);
-  if (histories_) histories_->rested_until(track, cameras_.newest().number, at_rest(l));
-  l.base = cameras_.newest().position;
-  free_landmarks_.start(l, prior);
+  WindowLandmark& landmark = landmarks_.at(track);
+  if (landmark.drops) {
+    marginalise_drops();
+    refactorise();
+  }
+  if (histories_) histories_->rested_until(track, cameras_.newest().number, at_rest(landmark));
+  landmark.base = cameras_.newest().camera.position;
+  landmark.is_free = true;
+  graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
+  truth_.apply(landmark);
 }
 
 // Its measurements stay in the window until they leave.
@@ -202,13 +230,17 @@ void Window::remove(std::span<const int> tracks, const TrackRecords& records) {
   for (const int track : tracks) {
     WindowLandmark& landmark = landmarks_.at(track);
     if (histories_) end_history(landmark, records.at(track));
-    if (graph_.prior().inactive.contains(landmark.y)) {
-      graph_.remove_variables({landmark.y});
+    const VariableId y = graph_[landmark.id].y;
+    if (is_inactive(y)) {
+      graph_.prior().inactive.forget({y});
+      graph_.variables.remove(y);
+      graph_.remove_landmark(landmark.id);
     } else {
-      if (landmark.w) {
-        free_landmarks_.end(landmark);
+      if (landmark.is_free) {
+        end_chain(landmark);
       } else {
-        landmark.base = cameras_.newest().position;  // the last frame that can have measured it
+        // The last frame that can have measured it.
+        landmark.base = cameras_.newest().camera.position;
       }
       pruned_.push_back(landmark);
     }
@@ -218,63 +250,77 @@ void Window::remove(std::span<const int> tracks, const TrackRecords& records) {
 
 // Thesis 2.1.3, (2.7), as factors: the first pixel, and the priors of inverse depth and motion.
 bool Window::add(const Observation& z, const LandmarkPrior& prior, bool is_free) {
-  WindowFrame& newest = cameras_.newest();
-  const auto here = initialise(setup_.camera, cameras_.state(newest).orientation, z.pixel,
-                               scene_ ? graph_.value(*scene_)(0) : prior.inverse_depth);
+  const WindowFrame& newest = cameras_.newest();
+  const auto& scene = graph_.scene;
+  const double depth = scene ? graph_.variables[scene->scene].value(0) : prior.inverse_depth;
+  const auto here = initialise(setup_.camera, cameras_.state(newest).orientation, z.pixel, depth);
   if (!here) return false;
-  WindowLandmark& l = insert(z.track);
+  WindowLandmark& landmark = insert(z.track, newest.camera.position, here->y);
   if (histories_) histories_->begin(z.track, newest.number, false);
   if (histories_) histories_->measured(z.track, newest.number, z.pixel);
-  l.y = graph_.add_variable(here->y, nullptr, z.track);
-  truth_.apply(l);
-  const WindowPixel first =
-      free_landmarks_.measure(l, {newest.position, newest.motion, z.pixel, 0});
-  newest.birth_priors.insert(
-      scene_ ? graph_.add_factor({l.y, *scene_}, shared_inverse_depth_cost(prior))
-             : graph_.add_factor({l.y}, inverse_depth_prior_cost(prior)));
-  if (!is_free) return true;
-  free_landmarks_.start(l, prior);
-  l.pixels = {first};
+  GraphLandmark& l = graph_[landmark.id];
+  l.birth.kind = scene ? BirthPrior::Kind::kSharedDepth : BirthPrior::Kind::kDepth;
+  l.birth.inverse_depth = prior.inverse_depth;
+  l.birth.sigma = prior.inverse_depth_sigma;
+  l.birth.scene = scene ? scene->scene : -1;
+  graph_.add_pixel(landmark.id, newest.camera, z.pixel, 0);
+  landmark.is_free = is_free;
+  if (is_free) graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
+  truth_.apply(landmark);
+  graph_.linearise(l);
+  optimiser_.equations().add(graph_, landmark.id);
   return true;
 }
 
-WindowLandmark& Window::insert(int track) {
+WindowLandmark& Window::insert(int track, VariableId anchor, const Eigen::Vector3d& y) {
   WindowLandmark& landmark = landmarks_[track];
+  landmark = {};
   landmark.track = track;
+  landmark.id = graph_.add_landmark(anchor, y);
   landmark.last_used = cameras_.newest().index;
-  landmark.anchor = landmark.base = cameras_.newest().position;
+  landmark.base = anchor;
   return landmark;
 }
 
 int Window::state_size() const {
   int size = graph_.prior().inactive.dim();
-  for (const auto& [id, v] : graph_.variables()) size += v.dim();
+  graph_.variables.for_each([&](const Variable& v) { size += v.dim(); });
+  for (const GraphLandmark& l : graph_.landmarks) {
+    if (l.is_alive) size += l.steps() * functions_.dim();
+  }
   return size;
 }
 
 void Window::points(std::vector<LandmarkPoint>& result) {
   result.clear();
-  const std::map<VariableId, SmallVector> all = values(graph_);
-  const auto value = [&](VariableId id) { return Eigen::Vector3d(all.at(id)); };
-  for (const auto& [track, l] : landmarks_) {
-    const Eigen::Vector3d y =
-        l.w ? Eigen::Vector3d(chain_states(graph_, l).back().head<3>()) : value(l.y);
-    result.push_back({track, value(l.anchor), y});
+  const auto& [prior, inactive] = graph_.prior();
+  inactive.values(prior.difference(), inactive_values_);
+  const auto value = [&](VariableId id) -> Eigen::Vector3d {
+    const Variable& v = graph_.variables[id];
+    if (!v.is_active) return inactive_values_[id];
+    return v.value;
+  };
+  for (const auto& [track, landmark] : landmarks_) {
+    const GraphLandmark& l = graph_[landmark.id];
+    result.push_back(
+        {track, value(l.anchor), l.is_free() ? graph_.newest_state(l).head<3>() : value(l.y)});
   }
 }
 
 std::vector<LandmarkBelief> Window::landmarks(std::span<const int> tracks) const {
-  std::vector<StateProjection> forms;
   std::vector<LandmarkBelief> beliefs;
-  std::vector<Eigen::MatrixXd> inactive;
+  prepare(tracks);
   for (const int track : tracks) {
-    LandmarkMarginal made = landmark_marginal(graph_, landmarks_.at(track));
-    beliefs.push_back(std::move(made.belief));
-    StateProjection& form = forms.emplace_back(std::move(made.projection));
-    inactive.push_back(substitute_inactive(graph_, form));
+    const WindowLandmark& landmark = landmarks_.at(track);
+    const GraphLandmark& l = graph_[landmark.id];
+    const LandmarkVector x = graph_.newest_state(l);
+    const Eigen::Index motion = landmark.is_free ? functions_.motion : 0;
+    LandmarkBelief& belief = beliefs.emplace_back();
+    belief.anchor = graph_.value(l.anchor);
+    belief.y = x.head<3>();
+    belief.w = x.tail(x.size() - 3).head(motion);
+    belief.covariance = joint(landmark).block(kCameraDim, kCameraDim, 6 + motion, 6 + motion);
   }
-  const std::vector<Eigen::MatrixXd> P = NormalEquations(graph_).covariances(forms);
-  for (std::size_t i = 0; i < beliefs.size(); ++i) beliefs[i].covariance = P[i] + inactive[i];
   return beliefs;
 }
 

@@ -1,15 +1,17 @@
 // The sliding window's belief; see window.h for what it is. The functions stand in the order of a
 // frame, here, in window.cpp and in the EKF's files alike.
 //
-// Variables: camera position and motion for each frame; for each landmark y, and while it is free w
-// and the noises of its chain (landmark_chain.h). The position of the camera in the frame in which
-// a landmark was initialised is its anchor, and stays when that frame has left.
+// Between two updates nothing is factorised: gate, labels, births, deaths and estimates read the
+// marginals of the last factorisation. What has entered since (a new camera, one step of each
+// chain, a new landmark) is conditional on what it knows, and marginalising changes nothing of what
+// stays, so that it waits for the next update.
 #pragma once
 
 #include "estimation/belief.h"
+#include "smoothers/solver/marginalise.h"
 #include "smoothers/solver/optimise.h"
-#include "smoothers/window/free_landmarks.h"
 #include "smoothers/window/track_history.h"
+#include "smoothers/window/truth_linearisation.h"
 #include "smoothers/window/window.h"
 
 namespace slammot {
@@ -27,11 +29,12 @@ class Window final : public Belief {
   Window(const Window&) = delete;  // its parts refer to its graph
   Window& operator=(const Window&) = delete;
 
-  void predict(const Frame& frame, double dt, StageListener& stages) override;
+  void predict(const Frame& frame, double dt) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured,
                    std::vector<PixelInnovation>& result) override;
-  void update(const TrackRecords& records, std::span<const Observation> accepted) override;
+  void update(const TrackRecords& records, std::span<const Observation> accepted,
+              StageListener& stages) override;
   void leave_one_out(std::vector<LeaveOneOut>& result) override;
   void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override;
   void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override;
@@ -53,19 +56,31 @@ class Window final : public Belief {
 
  private:
   // window_marginalise.cpp: what leaves the window, what is deactivated and what returns.
-  void marginalise_oldest();
-  std::set<VariableId> find_inactive(const WindowFrame& oldest, std::set<VariableId>& leaving);
-  void release_anchors(const std::set<VariableId>& active, const std::set<VariableId>& inactive,
-                       std::set<VariableId>& leaving, std::set<VariableId>& deactivated);
-  void reactivate_measured(const Frame& frame);
+  void marginalise();
+  void marginalise_drops();
+  void find_departures();
+  void depart(const WindowLandmark& landmark, const WindowFrame* oldest, bool is_pruned);
+  void finish_departures();
+  void find_inactive(const WindowFrame& oldest);
+  void release_anchors();
+  void reactivate_measured();
 
-  WindowLandmark& insert(int track);
-  void add_measurements(std::span<const Observation> accepted);
-  double refresh_noises();
+  // window_landmarks.cpp: chains.
+  void extend(WindowLandmark& landmark, double dt);
+  void end_chain(WindowLandmark& landmark);
+
+  WindowLandmark& insert(int track, VariableId anchor, const Eigen::Vector3d& y);
+  void solve();
+  void refactorise();
   void estimate_camera();
-  Eigen::MatrixXd before_last_step(const Factor& factor) const;
+  double refresh_noises();
+  void prepare(std::span<const int> tracks) const;
+  JointMatrix joint(const WindowLandmark& landmark) const;
+  std::optional<PixelInnovation> innovation(const Observation& z) const;
+  Eigen::Matrix2d innovation_of_new(const WindowLandmark& landmark, const ObservedPixel& h) const;
   LandmarkVector at_rest(const WindowLandmark& landmark) const;  // (y, 0) of a static one
   void end_history(const WindowLandmark& landmark, const TrackRecord& record) const;
+  bool is_inactive(VariableId id) const { return !graph_.variables[id].is_active; }
 
   Setup setup_;
   WindowOptions options_;
@@ -75,21 +90,23 @@ class Window final : public Belief {
   Graph graph_;
   CameraWindow cameras_;
   TruthLinearisation truth_;
-  FreeLandmarks free_landmarks_;
-  std::optional<VariableId> scene_;          // mean inverse depth at first sight, when it is learnt
   std::map<int, WindowLandmark> landmarks_;  // by track
   std::vector<WindowLandmark> pruned_;       // with measurements in the window
-  std::set<VariableId> left_anchors_;  // camera positions whose frame has left, inactive ones too
+  std::vector<VariableId> left_anchors_;     // camera positions whose frame has left
   CameraEstimate camera_;
-  std::optional<OptimiseResult> optimum_;  // of the newest update or collapse
+  mutable Optimiser optimiser_;  // with the factorisation of the newest update or collapse
+  Marginaliser marginaliser_;
   TrackHistories* histories_;
 
-  // Of the frame in hand.
-  struct Used {
-    int track;
-    FactorId factor;
-  };
-  std::vector<Used> used_;
+  // The newest camera given the one that the factorisation knows as newest.
+  Matrix12d F_ = Matrix12d::Identity(), Q_ = Matrix12d::Zero();
+
+  // Of the frame in hand, kept for their memory.
+  std::vector<int> measured_, used_;
+  mutable std::vector<LandmarkId> ids_;
+  Leaving leaving_;
+  std::vector<VariableId> returning_;
+  ConditionalMap::Values inactive_values_;
 };
 
 }  // namespace slammot

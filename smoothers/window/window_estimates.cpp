@@ -1,54 +1,101 @@
-// What the window says of its cameras, and what it tells a batch.
-#include "models/so3.h"
+// What the window says of its cameras and landmarks, and what it tells a batch.
+#include "smoothers/solver/ceres_solve.h"
 #include "smoothers/window/window_belief.h"
 
 namespace slammot {
+
+namespace {
+
+constexpr int kCeresIterations = 1000;
+constexpr double kCeresTolerance = 1e-18;  // below rounding: until steps change nothing
+
+}  // namespace
+
+// At the optimum of Ceres the equations are factorised for the marginals, and the step that they
+// give is taken too: Ceres judges steps by the cost, whose rounding hides a last 1e-6 sigma.
+void Window::solve() {
+  if (options_.solver == WindowSolver::kCeres) {
+    solve_with_ceres(graph_, kCeresIterations, kCeresTolerance);
+    graph_.linearise();
+    optimiser_.take_step(graph_, cameras_.newest().camera);
+  } else {
+    optimiser_(graph_, cameras_.newest().camera, options_.iterations, options_.cost_tolerance);
+  }
+  F_.setIdentity();
+  Q_.setZero();
+}
+
+// Where there was nothing to solve.
+void Window::refactorise() {
+  graph_.linearise();
+  optimiser_.equations().factorise(graph_, cameras_.newest().camera);
+}
 
 // The newest camera with its marginal covariance at the last linearisation, in the coordinates of
 // the estimate.
 void Window::estimate_camera() {
   const WindowFrame& newest = cameras_.newest();
-  const std::vector<std::vector<VariableId>> camera{{newest.position, newest.motion}};
-  Matrix12d P = optimum_->equations.covariances(camera).front();
-  if (!graph_.prior().first_estimates()) {
-    const Eigen::Vector3d turn = optimum_->last_step.at(newest.motion).head<3>();
-    const Eigen::Matrix3d J = right_jacobian_so3(turn);
-    P.middleRows<3>(kRotation) = (J * P.middleRows<3>(kRotation)).eval();
-    P.middleCols<3>(kRotation) = (P.middleCols<3>(kRotation) * J.transpose()).eval();
-  }
+  const Matrix12d P = optimiser_.equations().camera_covariance();
   camera_ = {newest.timestamp, cameras_.state(newest), 0.5 * (P + P.transpose())};
 }
 
-// J of a pixel's factor in the coordinates that the last step was taken in.
-Eigen::MatrixXd Window::before_last_step(const Factor& factor) const {
-  Eigen::MatrixXd J = factor.J;
-  if (graph_.prior().first_estimates()) return J;
-  for (std::size_t i = 0; i < factor.variables.size(); ++i) {
-    if (!factor.at[i]->manifold) continue;
-    const Eigen::Vector3d turn = optimum_->last_step.at(factor.variables[i]).head<3>();
-    J.middleCols<3>(factor.offset[i]) *= right_jacobian_so3(turn);
+double Window::refresh_noises() {
+  if (truth_) return 0.0;  // they are those of the true states
+  double change = 0.0;
+  for (GraphLandmark& l : graph_.landmarks) {
+    if (l.is_alive) change = std::max(change, graph_.refresh_noises(l));
   }
-  return J;
+  return change;
+}
+
+void Window::prepare(std::span<const int> tracks) const {
+  ids_.clear();
+  const VariableId newest = cameras_.newest().camera.position;
+  for (const int track : tracks) {
+    const LandmarkId id = landmarks_.at(track).id;
+    const GraphLandmark& l = graph_[id];
+    const bool is_new = l.birth.kind == BirthPrior::Kind::kKnown && l.anchor == newest &&
+                        l.pixels.empty();  // innovation_of_new()
+    if (!is_new) ids_.push_back(id);
+  }
+  optimiser_.equations().prepare(graph_, ids_);
+}
+
+// Joint covariance of the camera, the anchor and the newest state. Since the factorisation the
+// landmark may have become free, and its chain grown.
+JointMatrix Window::joint(const WindowLandmark& landmark) const {
+  const GraphLandmark& l = graph_[landmark.id];
+  JointMatrix P = optimiser_.equations().joint(landmark.id);
+  if (!l.is_free()) return P;
+  constexpr int kX = kCameraDim + 3;
+  const Eigen::Index before = P.rows(), dim = functions_.dim();
+  if (before < kX + dim) {
+    P.conservativeResizeLike(JointMatrix::Zero(kX + dim, kX + dim));
+    P.diagonal().tail(dim - 3) = l.w_sigmas.cwiseAbs2();
+  }
+  for (int i = optimiser_.equations().steps(landmark.id); i < l.steps(); ++i) {
+    const ChainStep& step = l.chain[static_cast<std::size_t>(i)];
+    P.bottomRows(dim) = (step.F * P.bottomRows(dim)).eval();
+    P.rightCols(dim) = (P.rightCols(dim) * step.F.transpose()).eval();
+    P.bottomRightCorner(dim, dim) += step.G * step.G.transpose();
+  }
+  return P;
 }
 
 // Cameras as they left the window, without covariances, which belong to that moment and are not
 // kept; then those still in it, converged, with theirs.
 std::vector<CameraEstimate> Window::smoothed() {
-  optimise(graph_, options_.iterations, options_.cost_tolerance);
-  for (int i = 0; i < kMaxRefreshes && refresh_noises() > kNegligibleNoise; ++i) {
-    optimise(graph_, options_.iterations, options_.cost_tolerance);
-  }
-  graph_.linearise();
-  std::vector<std::vector<VariableId>> sets;
-  for (const WindowFrame& f : cameras_.frames()) sets.push_back({f.position, f.motion});
-  const std::vector<Eigen::MatrixXd> P = NormalEquations(graph_).covariances(sets);
+  marginalise_drops();
+  solve();
+  for (int i = 0; i < kMaxRefreshes && refresh_noises() > kNegligibleNoise; ++i) solve();
+  refactorise();
   std::vector<CameraEstimate> result;
   for (const CameraWindow::Left& left : cameras_.left()) {
     result.push_back({left.timestamp, left.state, Matrix12d::Constant(kUndefined)});
   }
-  for (std::size_t i = 0; i < P.size(); ++i) {
-    const WindowFrame& f = cameras_.frames()[i];
-    result.push_back({f.timestamp, cameras_.state(f), P[i]});
+  for (const WindowFrame& f : cameras_.frames()) {
+    result.push_back({f.timestamp, cameras_.state(f),
+                      optimiser_.equations().camera_covariance(graph_, f.camera)});
   }
   return result;
 }
@@ -64,14 +111,16 @@ void Window::end_histories(const TrackRecords& records) const {
   for (const auto& [track, landmark] : landmarks_) end_history(landmark, records.at(track));
 }
 
-LandmarkVector Window::at_rest(const WindowLandmark& l) const {
-  return landmark_state(graph_.value(l.y), MotionVector::Zero(functions_.motion));
+LandmarkVector Window::at_rest(const WindowLandmark& landmark) const {
+  return landmark_state(graph_.newest_state(graph_[landmark.id]).head<3>(),
+                        MotionVector::Zero(functions_.motion));
 }
 
-void Window::end_history(const WindowLandmark& l, const TrackRecord& record) const {
-  const std::vector<LandmarkVector> states =
-      l.w ? chain_states(graph_, l) : std::vector<LandmarkVector>{at_rest(l)};
-  histories_->end(record, cameras_.newest().number, l.w.has_value(), states);
+void Window::end_history(const WindowLandmark& landmark, const TrackRecord& record) const {
+  const std::vector<LandmarkVector> states = landmark.is_free
+                                                 ? graph_.states(graph_[landmark.id])
+                                                 : std::vector<LandmarkVector>{at_rest(landmark)};
+  histories_->end(record, cameras_.newest().number, landmark.is_free, states);
 }
 
 }  // namespace slammot

@@ -1,23 +1,17 @@
-// A landmark in a sliding window. Its chain (landmark_chain.h) goes from the base, the oldest frame
-// of the window that concerns it, to the newest frame.
+// A landmark in a sliding window: its place in the graph, and what the window remembers of it.
 #pragma once
 
-#include "smoothers/graph/landmark_variables.h"
+#include "smoothers/graph/graph.h"
 
 namespace slammot {
 
-// A measurement of a free landmark in the window, with its factor.
-struct WindowPixel : MeasuredPixel {
-  FactorId factor = 0;
-};
-
-struct WindowLandmark : LandmarkVariables {
+struct WindowLandmark {
   int track = 0;
-  int last_used = 0;  // Frame::index of its newest accepted measurement
-  FactorId w_prior = 0;
-  VariableId base = 0;                 // camera position of the base's frame
-  std::vector<FactorId> noise_priors;  // as `noises`
-  std::vector<WindowPixel> pixels;     // while it is free
+  LandmarkId id = 0;
+  int last_used = 0;    // Frame::index of its newest accepted measurement
+  VariableId base = 0;  // camera position of the frame where its chain begins
+  bool is_free = false;
+  bool drops = false;  // it has become static: w is marginalised before the next update
 };
 
 }  // namespace slammot

@@ -1,87 +1,140 @@
 // What leaves the window with its oldest frame, what is deactivated out of view, and what returns.
+#include <algorithm>
+
 #include "smoothers/window/window_belief.h"
 
 namespace slammot {
 
-// The oldest frame leaves before the new measurements enter. A camera's position stays on as long
-// as landmarks are anchored there.
-void Window::marginalise_oldest() {
-  if (static_cast<int>(cameras_.frames().size()) <= options_.frames) return;
-  const VariableId base = cameras_.oldest().position, next = cameras_.frames()[1].position;
-  std::vector<WindowLandmark*> shifting;
+// One marginalisation for all of it: the oldest frame, which leaves before the new measurements
+// enter, and the motions of landmarks that have become static.
+void Window::marginalise() {
+  leaving_.clear();
+  find_departures();
+  if (leaving_.oldest) {
+    find_inactive(cameras_.oldest());
+    cameras_.leave();
+  }
+  marginaliser_(graph_, leaving_);
+  finish_departures();
+}
+
+void Window::marginalise_drops() {
+  leaving_.clear();
+  for (const auto& [track, landmark] : landmarks_) {
+    if (landmark.drops) depart(landmark, nullptr, false);
+  }
+  for (const WindowLandmark& landmark : pruned_) {
+    if (landmark.drops) depart(landmark, nullptr, true);
+  }
+  marginaliser_(graph_, leaving_);
+  finish_departures();
+}
+
+void Window::find_departures() {
+  const bool is_full = static_cast<int>(cameras_.frames().size()) > options_.frames;
+  const WindowFrame* oldest = is_full ? &cameras_.oldest() : nullptr;
+  if (oldest) leaving_.oldest = oldest->camera;
   for (auto& [track, landmark] : landmarks_) {
-    if (!landmark.w || landmark.base != base) continue;
-    shifting.push_back(&landmark);
-    if (histories_ && !landmark.noises.empty()) {
-      histories_->passed(track, {&chain_states(graph_, landmark).front(), 1});
-    }
+    depart(landmark, oldest, false);
+    const bool shifts = oldest && landmark.is_free && landmark.base == oldest->camera.position;
+    if (!histories_ || !shifts) continue;
+    histories_->passed(track, {&graph_.states(graph_[landmark.id]).front(), 1});
   }
-  for (WindowLandmark& landmark : pruned_) {
-    if (landmark.base == base) shifting.push_back(&landmark);
+  for (const WindowLandmark& landmark : pruned_) depart(landmark, oldest, true);
+}
+
+// A camera's position stays on as long as landmarks are anchored there; the base of a free landmark
+// that stands in the oldest frame moves on to the next; a landmark that was pruned leaves with the
+// last frame that measured it.
+void Window::depart(const WindowLandmark& landmark, const WindowFrame* oldest, bool is_pruned) {
+  const GraphLandmark& l = graph_[landmark.id];
+  if (is_inactive(l.y)) return;
+  Departure d;
+  d.landmark = landmark.id;
+  const bool is_based = oldest && landmark.base == oldest->camera.position;
+  if (landmark.drops) {
+    d.steps = l.steps();
+    d.all_rows = d.steps > 0;
+    d.absorbs_prior_of_w = d.forgets_w = true;
+  } else if (landmark.is_free && is_based && l.steps() > 0) {
+    d.steps = 1;
+    d.absorbs_prior_of_w = true;
   }
-  std::set<VariableId> leaving{cameras_.oldest().motion};
-  std::vector<Advance> advances;
-  for (WindowLandmark* landmark : shifting) {
-    for (const Advance& a : free_landmarks_.release_base(*landmark, leaving)) advances.push_back(a);
+  if (is_pruned && is_based && (!landmark.is_free || l.steps() == 0)) {
+    d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
   }
-  const std::set<VariableId> inactive = find_inactive(cameras_.oldest(), leaving);
-  const WindowFrame oldest = cameras_.leave();
-  marginalise(graph_, leaving, advances, oldest.birth_priors, inactive);
-  for (WindowLandmark* landmark : shifting) free_landmarks_.shift_base(*landmark, next);
-  std::erase_if(pruned_, [&](const WindowLandmark& l) { return leaving.contains(l.y); });
+  const VariableId position = oldest ? oldest->camera.position : -1;
+  const bool is_measured = std::ranges::any_of(
+      l.pixels, [&](const GraphPixel& pixel) { return pixel.position == position; });
+  const bool is_born = l.anchor == position && l.birth.rows() > 0;
+  if (is_measured || is_born || d.absorbs_prior_of_w) leaving_.departures.push_back(d);
+}
+
+void Window::finish_departures() {
+  const bool shifts = leaving_.oldest.has_value();
+  const auto follow = [&](WindowLandmark& landmark) {
+    landmark.drops = false;
+    if (!shifts || landmark.base != leaving_.oldest->position) return;
+    if (landmark.is_free) landmark.base = cameras_.oldest().camera.position;
+    truth_.apply(landmark);
+  };
+  std::erase_if(pruned_, [&](const WindowLandmark& landmark) {
+    return std::ranges::any_of(leaving_.departures, [&](const Departure& d) {
+      return d.landmark == landmark.id && d.leaves;
+    });
+  });
+  for (auto& [track, landmark] : landmarks_) follow(landmark);
+  for (WindowLandmark& landmark : pruned_) follow(landmark);
 }
 
 // Static landmarks that no frame after the oldest has measured, and the anchors that only such
 // landmarks use.
-std::set<VariableId> Window::find_inactive(const WindowFrame& oldest,
-                                           std::set<VariableId>& leaving) {
-  std::set<VariableId> deactivated, anchors_active, anchors_inactive;
-  for (const auto& [track, l] : landmarks_) {
-    const bool active = l.w || l.last_used > oldest.index;
-    if (!active && !graph_.prior().inactive.contains(l.y)) deactivated.insert(l.y);
-    (active ? anchors_active : anchors_inactive).insert(l.anchor);
+void Window::find_inactive(const WindowFrame& oldest) {
+  enum Use { kUnused, kInactive, kActive };
+  left_anchors_.push_back(oldest.camera.position);
+  for (const VariableId anchor : left_anchors_) graph_.variables[anchor].column = kUnused;
+  const auto use = [&](VariableId anchor, Use how) {
+    int& mark = graph_.variables[anchor].column;
+    mark = std::max(mark, static_cast<int>(how));
+  };
+  for (const auto& [track, landmark] : landmarks_) {
+    const GraphLandmark& l = graph_[landmark.id];
+    const bool active = landmark.is_free || landmark.drops || landmark.last_used > oldest.index;
+    if (!active && !is_inactive(l.y)) leaving_.deactivated.push_back(l.y);
+    use(l.anchor, active ? kActive : kInactive);
   }
-  for (const WindowLandmark& l : pruned_) {
-    if (!leaving.contains(l.y)) anchors_active.insert(l.anchor);
+  for (const WindowLandmark& landmark : pruned_) {
+    const bool leaves = std::ranges::any_of(leaving_.departures, [&](const Departure& d) {
+      return d.landmark == landmark.id && d.leaves;
+    });
+    if (!leaves) use(graph_[landmark.id].anchor, kActive);
   }
-  left_anchors_.insert(oldest.position);
-  release_anchors(anchors_active, anchors_inactive, leaving, deactivated);
-  return deactivated;
-}
-
-// An anchor of no landmark leaves; one of inactive landmarks alone is deactivated with them.
-void Window::release_anchors(const std::set<VariableId>& active,
-                             const std::set<VariableId>& inactive, std::set<VariableId>& leaving,
-                             std::set<VariableId>& deactivated) {
-  std::set<VariableId> unused;
-  for (const VariableId anchor : left_anchors_) {
-    if (active.contains(anchor)) continue;
-    if (!inactive.contains(anchor)) {
-      unused.insert(anchor);
-    } else if (!graph_.prior().inactive.contains(anchor)) {
-      deactivated.insert(anchor);
-    }
-  }
-  for (const VariableId anchor : unused) {
-    left_anchors_.erase(anchor);
-    if (graph_.prior().inactive.contains(anchor)) {
-      graph_.remove_variables({anchor});
+  std::erase_if(left_anchors_, [&](VariableId anchor) {
+    const int mark = graph_.variables[anchor].column;
+    if (mark == kInactive && !is_inactive(anchor)) leaving_.deactivated.push_back(anchor);
+    if (mark != kUnused) return false;
+    if (is_inactive(anchor)) {
+      graph_.prior().inactive.forget({anchor});
+      graph_.variables.remove(anchor);
     } else {
-      leaving.insert(anchor);
+      leaving_.anchors.push_back(anchor);
     }
-  }
+    return true;
+  });
 }
 
-void Window::reactivate_measured(const Frame& frame) {
-  std::set<VariableId> back;
-  for (const Observation& z : frame.observations) {
-    const auto it = landmarks_.find(z.track);
-    if (it == landmarks_.end()) continue;
-    for (const VariableId id : {it->second.y, it->second.anchor}) {
-      if (graph_.prior().inactive.contains(id)) back.insert(id);
+void Window::reactivate_measured() {
+  returning_.clear();
+  for (const int track : measured_) {
+    const GraphLandmark& l = graph_[landmarks_.at(track).id];
+    for (const VariableId id : {l.y, l.anchor}) {
+      if (is_inactive(id)) returning_.push_back(id);
     }
   }
-  graph_.reactivate({back.begin(), back.end()});
+  std::ranges::sort(returning_);
+  const auto last = std::ranges::unique(returning_);
+  returning_.erase(last.begin(), last.end());
+  graph_.reactivate(returning_);
 }
 
 }  // namespace slammot

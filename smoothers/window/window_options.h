@@ -8,12 +8,16 @@ enum class WindowLinearisation { kStandard, kFej, kIdeal };
 
 enum class Loss { kNone, kHuber };  // on the normalised measurement residual
 
+// Who minimises: our Gauss-Newton | ceres::Solve, on the same factors, to convergence.
+enum class WindowSolver { kOwn, kCeres };
+
 struct WindowOptions {
   int frames = 20;      // camera states kept; older ones are marginalised
   int iterations = 20;  // Gauss-Newton steps a frame at most; 1 and one frame make it the EKF
   double cost_tolerance = 1e-2;  // a step predicted to lower chi-square by less is the last one
   WindowLinearisation linearisation = WindowLinearisation::kStandard;
   Loss loss = Loss::kNone;
+  WindowSolver solver = WindowSolver::kOwn;
 };
 
 }  // namespace slammot

@@ -25,7 +25,7 @@ class FakeBelief final : public Belief {
  public:
   explicit FakeBelief(std::vector<std::string>& calls) : calls_(calls) {}
 
-  void predict(const Frame& frame, double dt, StageListener&) override {
+  void predict(const Frame& frame, double dt) override {
     call("predict");
     camera_.timestamp = frame.timestamp;
     last_dt = dt;
@@ -43,7 +43,7 @@ class FakeBelief final : public Belief {
       result.push_back({z, {state.at(z.track).error, 0.0}, Eigen::Matrix2d::Zero()});
     }
   }
-  void update(const TrackRecords&, std::span<const Observation> accepted) override {
+  void update(const TrackRecords&, std::span<const Observation> accepted, StageListener&) override {
     call("update");
     used.clear();
     for (const Observation& z : accepted) used.push_back(z.track);

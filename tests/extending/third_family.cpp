@@ -67,7 +67,7 @@ class Unscented final : public Belief {
     P_ = sigmas.cwiseAbs2().asDiagonal();
   }
 
-  void predict(const Frame& /*frame*/, double dt, StageListener& /*stages*/) override {
+  void predict(const Frame& /*frame*/, double dt) override {
     if (dt == 0.0) return;
     const CameraState before = camera_, after = slammot::predict(before, dt);
     camera_ = after;
@@ -99,7 +99,8 @@ class Unscented final : public Belief {
     }
   }
 
-  void update(const TrackRecords& /*records*/, std::span<const Observation> accepted) override {
+  void update(const TrackRecords& /*records*/, std::span<const Observation> accepted,
+              StageListener& /*stages*/) override {
     std::erase_if(pixels_, [&](const Pixel& pixel) {
       return std::ranges::find(accepted, pixel.z.track, &Observation::track) == accepted.end();
     });

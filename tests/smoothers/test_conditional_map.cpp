@@ -1,80 +1,184 @@
-// The conditional map against graphs in which every variable stays active.
+// The inactive map: to deactivate, go on and reactivate changes nothing of the posterior.
 #include <gtest/gtest.h>
 
-#include "smoothers/factors/factors.h"
-#include "smoothers/graph/state_projection.h"
-#include "smoothers/solver/marginalise.h"
+#include <Eigen/Cholesky>
+
+#include "estimation/estimator.h"
 #include "smoothers/solver/normal_equations.h"
-#include "tests/smoothers/linear_problem.h"
+#include "tests/smoothers/fixture/posterior.h"
 
 namespace slammot {
 namespace {
 
-// Variables that rest in the far map while others leave, come back and are measured again.
-TEST(ConditionalMap, ToDeactivateAndReactivateChangesNothing) {
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    Graph whole = test::linear_problem(seed), part = test::linear_problem(seed);
-    marginalise(part, {0}, {}, {}, {1});
-    marginalise(part, {2}, {}, {}, {5, 8});
-    marginalise(part, {3});
-    EXPECT_EQ(part.prior().inactive.dim(), 9);
+using test::Scene;
 
-    const std::vector<StateProjection> asked{{{1, 8, 9}, Eigen::MatrixXd::Identity(9, 9)}};
-    const Eigen::MatrixXd P = NormalEquations(whole).covariances(asked).front();
-    std::vector<StateProjection> active = asked;
-    Eigen::MatrixXd P_part = substitute_inactive(part, active.front());
-    P_part += NormalEquations(part).covariances(active).front();
-    EXPECT_LT((P - P_part).norm(), 1e-10 * P.norm()) << "seed " << seed;
+constexpr double kExact = 1e-8;  // [sigma]
 
-    part.retract(NormalEquations(part).step());
-    whole.retract(NormalEquations(whole).step());
-    EXPECT_LT((part.value(5) - whole.value(5)).norm(), 1e-10);
-    EXPECT_LT((values(part).at(8) - whole.value(8)).norm(), 1e-10);
-    part.reactivate({5, 1});
-    EXPECT_EQ(part.prior().inactive.dim(), 3);
-    for (Graph* graph : {&whole, &part}) {
-      std::mt19937_64 engine(100 + seed);
-      graph->add_factor({1, 5}, std::make_unique<test::LinearCost>(engine));
-      graph->add_factor({5, 10}, std::make_unique<test::LinearCost>(engine));
+// Frames 0 to 2 have left. With them `brief` fell asleep, then `lone`, then `known` and the anchor
+// of both, while bases moved on along their chains, in the prior and out of it.
+struct InactiveMap : testing::TestWithParam<std::string> {
+  InactiveMap() : scene(10, {GetParam()}), graph(scene.graph) {
+    leave({graph[Scene::kBrief].y});
+    leave({graph[Scene::kLone].y});
+    leave({graph[Scene::kKnown].y, anchor()});
+  }
+  VariableId anchor() const { return scene.cameras[1].position; }
+  void expect_exact(const Leaving& leaving) {
+    EXPECT_LT(test::change_by_marginalising(scene, leaving), kExact);
+    scene.move(3.0);
+  }
+  void leave(const std::vector<VariableId>& deactivated) {
+    Leaving leaving = scene.oldest_leaves();
+    leaving.deactivated = deactivated;
+    expect_exact(leaving);
+    for (const VariableId id : deactivated) {
+      EXPECT_FALSE(graph.variables[id].is_active);
+      EXPECT_FALSE(graph.prior().active.find(id));
     }
-    part.prior().relinearise();
-    marginalise(part, {4, 6});
-    part.retract(NormalEquations(part).step());
-    whole.retract(NormalEquations(whole).step());
-    for (const VariableId id : {1, 5, 7, 8, 9, 10, 11}) {
-      EXPECT_LT((part.value(id) - whole.value(id)).norm(), 1e-9) << "seed " << seed;
-    }
+  }
+  // Of all that is there.
+  test::Posterior posterior() {
+    return test::posterior(graph, test::dense_problem(graph), test::what_stays(graph, {}));
+  }
+  Scene scene;
+  Graph& graph;
+};
+
+TEST_P(InactiveMap, HasItsMarginals) {
+  EXPECT_EQ(graph.prior().inactive.dim(), 12);
+  NormalEquations equations;
+  equations.factorise(graph, scene.newest());
+  const std::vector<LandmarkId> asleep{Scene::kBrief, Scene::kLone, Scene::kKnown};
+  equations.prepare(graph, asleep);
+  for (const LandmarkId id : asleep) {
+    const test::Asked asked{{scene.newest().position, scene.newest().orientation,
+                             scene.newest().rates, graph[id].anchor, graph[id].y},
+                            {}};
+    const test::Posterior expected = test::posterior(graph, test::dense_problem(graph), asked);
+    EXPECT_EQ(equations.state_dim(graph, id), 3);
+    EXPECT_LT(test::difference(equations.joint(id), expected.covariance), 1e-9) << id;
   }
 }
 
-// That an active variable is zero, stated by conditioning and by a factor of small sigma: the rest
-// of the prior and the inactive variables must agree.
-TEST(ConditionalMap, ConditioningOnZeroIsAFactorThatSaysSo) {
-  constexpr double kSigma = 1e-5;
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    Graph stated = test::linear_problem(seed), measured = test::linear_problem(seed);
-    for (Graph* graph : {&stated, &measured}) {
-      graph->retract(NormalEquations(*graph).step());
-      marginalise(*graph, {0, 2, 3}, {}, {}, {1});
-      ASSERT_TRUE(graph->prior().active.find(4));
-      marginalise(*graph, {5});  // factors of 4 other than the prior are gone
-    }
-    measured.add_factor({4}, motion_prior_cost(MotionVector::Constant(3, kSigma)));
-    measured.retract(NormalEquations(measured).step());
-    stated.prior().condition_on_zero(4);
-    EXPECT_FALSE(stated.prior().active.find(4));
-    stated.remove_variables({4});
-    stated.retract(NormalEquations(stated).step());
-    for (const VariableId id : {1, 6, 7, 8, 9, 10, 11}) {
-      EXPECT_LT((stated.value(id) - measured.value(id)).norm(), 1e-6) << "seed " << seed;
-    }
-  }
+// The estimate of an inactive variable follows the active ones.
+TEST_P(InactiveMap, FollowsTheStep) {
+  const VariableId y = graph[Scene::kLone].y;
+  const test::Asked asked{{y}, {}};
+  const test::DenseProblem problem = test::dense_problem(graph);
+  const Eigen::VectorXd expected = test::posterior(graph, problem, asked).mean;
+  graph.prior().relinearise();  // so that the step and b [-] b0 are the same
+  test::set_steps(graph, problem.step());
+  graph.retract();
+  EXPECT_LT((graph.value(y) - expected).norm(), 1e-10);
 }
 
-TEST(Graph, KeepsWhatThePriorTouches) {
-  Graph graph = test::linear_problem(1);
-  marginalise(graph, {0});
-  EXPECT_THROW(graph.remove_variables({1}), std::logic_error);
+TEST_P(InactiveMap, RelinearisedItIsTheSame) {
+  const test::Posterior before = posterior();
+  graph.prior().relinearise();
+  EXPECT_EQ(graph.prior().active.difference().norm(), 0.0);
+  EXPECT_LT(test::difference(posterior(), before), kExact);
+}
+
+TEST_P(InactiveMap, ReactivatedItIsTheSame) {
+  const test::Posterior before = posterior();
+  test::Asked all = test::what_stays(graph, {});
+  graph.reactivate({graph[Scene::kLone].y, anchor()});
+  EXPECT_EQ(graph.prior().inactive.dim(), 6);
+  EXPECT_TRUE(graph.variables[anchor()].is_active);
+  graph.linearise();
+  EXPECT_LT(test::difference(test::posterior(graph, test::dense_problem(graph), all), before),
+            kExact);
+  graph.reactivate({graph[Scene::kKnown].y, graph[Scene::kBrief].y});
+  EXPECT_TRUE(graph.prior().inactive.empty());
+  graph.linearise();
+  EXPECT_LT(test::difference(test::posterior(graph, test::dense_problem(graph), all), before),
+            kExact);
+}
+
+// Back in sight, measured anew, and left behind once more; what sleeps hangs on what has woken.
+TEST_P(InactiveMap, GoesOnAfterReactivation) {
+  graph.reactivate({graph[Scene::kLone].y, anchor()});
+  graph.add_pixel(Scene::kLone, scene.cameras[3], {330.0, 250.0}, 0);
+  graph.linearise();
+  leave({graph[Scene::kLone].y});
+  Leaving leaving;
+  leaving.departures = {scene.drop(Scene::kFreed), scene.drop(Scene::kMoving)};
+  expect_exact(leaving);
+  graph.reactivate({graph[Scene::kKnown].y, graph[Scene::kLone].y});
+  EXPECT_EQ(graph.prior().inactive.dim(), 3);
+  graph.linearise();
+  leaving.clear();
+  Departure& d = leaving.departures.emplace_back();
+  d.landmark = Scene::kMoving;
+  d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
+  expect_exact(leaving);
+}
+
+// Several steps of chains in the prior, while the map depends on them.
+TEST_P(InactiveMap, WhileMotionsAreForgotten) {
+  Scene early(11, {GetParam()});
+  Leaving leaving = early.oldest_leaves();
+  leaving.deactivated = {early.graph[Scene::kBrief].y};
+  EXPECT_LT(test::change_by_marginalising(early, leaving), kExact);
+  early.move();
+  EXPECT_GT(early.graph.prior().inactive.gain({early.graph[Scene::kBrief].y}).norm(), 1e-3);
+  leaving.clear();
+  leaving.departures = {early.drop(Scene::kFreed), early.drop(Scene::kMoving)};
+  EXPECT_LT(test::change_by_marginalising(early, leaving), kExact);
+}
+
+TEST_P(InactiveMap, ForgetsWhatIsMarginalised) {
+  test::Asked asked = test::what_stays(graph, {});
+  std::erase(asked.variables, graph[Scene::kLone].y);
+  const auto of_the_rest = [&] {
+    return test::posterior(graph, test::dense_problem(graph), asked);
+  };
+  const test::Posterior before = of_the_rest();
+  const VariableId y = graph[Scene::kLone].y;
+  graph.prior().inactive.forget({y});
+  graph.variables.remove(y);
+  graph.remove_landmark(Scene::kLone);
+  EXPECT_EQ(graph.prior().inactive.dim(), 9);
+  EXPECT_FALSE(graph.prior().inactive.contains(y));
+  EXPECT_EQ(test::difference(of_the_rest(), before), 0.0);
+  leave({});  // its rows of the map are vacant
+}
+
+// That a motion in the prior is zero: the posterior given that it is.
+TEST_P(InactiveMap, ConditionedOnZero) {
+  leave({});  // the chain has come to its end, and w is in the prior alone
+  GraphLandmark& l = graph[Scene::kMoving];
+  ASSERT_EQ(l.steps(), 0);
+  test::Asked asked = test::what_stays(graph, {});
+  std::erase_if(asked.states, [](const auto& s) { return s.landmark == Scene::kMoving; });
+  asked.variables.push_back(l.y);
+  const test::Posterior rest = test::posterior(graph, test::dense_problem(graph), asked);
+  const Eigen::Index n = rest.mean.size(), m = graph.models().landmark->motion;
+  test::Asked with_w = asked;
+  with_w.states.push_back({Scene::kMoving, 0, static_cast<int>(m) + 3});
+  const test::Posterior joint = test::posterior(graph, test::dense_problem(graph), with_w);
+  const Eigen::MatrixXd P = joint.covariance;
+  const Eigen::MatrixXd gain =
+      P.bottomRightCorner(m, m).llt().solve(P.bottomLeftCorner(m, n)).transpose();
+  const test::Posterior expected{joint.mean.head(n) - gain * joint.mean.tail(m),
+                                 P.topLeftCorner(n, n) - gain * P.bottomLeftCorner(m, n)};
+  EXPECT_GT(test::difference(rest, expected), 1e-3);
+
+  graph.condition_on_rest(Scene::kMoving);
+  EXPECT_FALSE(l.is_free());
+  EXPECT_LT(test::difference(test::posterior(graph, test::dense_problem(graph), asked), expected),
+            kExact);
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, InactiveMap, testing::ValuesIn(test::models()));
+
+TEST(ConditionalMap, WhatHasNoCovarianceDoesNotReturn) {
+  ConditionalMap map;
+  Variable x;
+  x.value = Eigen::Vector3d::Ones();
+  map.relinearise(MarginalPrior(false), 3);
+  map.deactivate(x, 0);
+  EXPECT_THROW(map.reactivate({x.id}), Diverged);
 }
 
 }  // namespace

@@ -1,106 +1,201 @@
-// The marginal prior on its own, over a Euclidean variable and a rotating camera.
+// The marginal prior on its own, over Euclidean variables and orientations.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
+#include <random>
 
-#include "smoothers/factors/camera_manifold.h"
 #include "smoothers/graph/prior.h"
-#include "tests/smoothers/fixture.h"
+#include "tests/smoothers/fixture/cameras.h"
 
 namespace slammot {
 namespace {
 
-// A prior over (w, motion of a camera), whose variables have moved on from where it was set.
+// A prior over (w, q, u, p), q and p orientations, that have moved on from where it was set. In the
+// core of the normal equations they stand in another order, with a gap.
 struct Moved {
-  MotionManifold manifold;
-  Variable w, motion;
+  static constexpr int kDim = 14;
+  std::mt19937_64 engine{3};
+  Variables variables;
+  Variable* w = nullptr;
+  Variable* q = nullptr;
+  Variable* u = nullptr;
+  Variable* p = nullptr;
   Prior prior;
 
-  explicit Moved(bool first_estimates) : prior{MarginalPrior(first_estimates), {}} {
-    std::srand(3);
-    w.id = 1;
-    w.value = Eigen::Vector3d(0.3, -0.2, 0.1);
-    motion.id = 2;
-    motion.manifold = &manifold;
-    Eigen::Vector3d position;
-    motion.value.resize(kMotionSize);
-    camera_to_blocks(test::camera_at(0.3, 0.2), position.data(), motion.value.data());
-    const Eigen::MatrixXd R =
-        Eigen::MatrixXd::Random(12, 12).triangularView<Eigen::Upper>().toDenseMatrix() +
-        3.0 * Eigen::MatrixXd::Identity(12, 12);
-    prior.active.set({&w, &motion}, R, Eigen::VectorXd::Random(12));
-    const SmallVector d = 0.3 * Eigen::VectorXd::Random(kMotionDim);
-    motion.value = plus(&manifold, motion.value, d);
-    w.value += Eigen::Vector3d(0.1, 0.1, -0.2);
+  Eigen::VectorXd normals(Eigen::Index size) {
+    std::normal_distribution<double> normal;
+    return Eigen::VectorXd::NullaryExpr(size, [&] { return normal(engine); });
+  }
+
+  explicit Moved(bool fixed_points) : prior{MarginalPrior(fixed_points), {}} {
+    w = &variables.add(Eigen::Vector3d(0.3, -0.2, 0.1), false, true);
+    q = &variables.add(test::camera_at(0.3, 0.2).orientation.coeffs(), true, false);
+    u = &variables.add(normals(5), false, false);
+    p = &variables.add(test::camera_at(0.1, -0.4).orientation.coeffs(), true, false);
+    w->core = 9;
+    q->core = 0;
+    u->core = 12;
+    p->core = 3;
+    Eigen::MatrixXd R = normals(kDim * kDim).reshaped(kDim, kDim).triangularView<Eigen::Upper>();
+    R.diagonal().array() += 3.0;
+    prior.active.set({w, q, u, p}, R, normals(kDim));
+    variables.for_each([&](Variable& v) {
+      v.step.setZero(v.dim());
+      v.value = plus(v.is_orientation, v.value, 0.3 * normals(v.dim()));
+    });
+  }
+  static constexpr int kCore = 17;
+
+  // Of a column of the prior, its row in the core.
+  Eigen::MatrixXd placed() const {
+    Eigen::MatrixXd E = Eigen::MatrixXd::Zero(kDim, kCore);
+    for (const auto& b : prior.active.blocks()) {
+      E.block(b.offset, b.variable->core, b.dim(), b.dim()).setIdentity();
+    }
+    return E;
+  }
+
+  void expect_normal_equations(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) const {
+    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(kCore, kCore);
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(kCore);
+    prior.active.add_to(H, g);
+    const Eigen::MatrixXd of_core = J * placed();
+    const Eigen::MatrixXd expected = of_core.transpose() * of_core;
+    const Eigen::MatrixXd lower = H.triangularView<Eigen::Lower>();
+    EXPECT_LT((lower - expected.triangularView<Eigen::Lower>().toDenseMatrix()).norm(),
+              1e-12 * expected.norm());
+    EXPECT_LT((g - of_core.transpose() * r).norm(), 1e-12 * g.norm());
   }
 };
 
 TEST(MarginalPrior, JacobianIsTheDerivativeOfTheResidual) {
   Moved at(false);
   const Eigen::MatrixXd J = at.prior.active.jacobian();
-  const SmallVector value = at.motion.value;
-  for (int i = 0; i < kMotionDim; ++i) {
-    constexpr double kStep = 1e-6;
-    const SmallVector d = kStep * Eigen::VectorXd::Unit(kMotionDim, i);
-    at.motion.value = plus(&at.manifold, value, d);
-    const Eigen::VectorXd ahead = at.prior.active.residual();
-    at.motion.value = plus(&at.manifold, value, -d);
-    const Eigen::VectorXd behind = at.prior.active.residual();
-    EXPECT_LT(((ahead - behind) / (2.0 * kStep) - J.col(3 + i)).norm(), 1e-8) << "column " << i;
+  for (const auto& block : at.prior.active.blocks()) {
+    Variable& v = at.variables[block.variable->id];
+    const SmallVector value = v.value;
+    for (int i = 0; i < v.dim(); ++i) {
+      constexpr double kStep = 1e-6;
+      const SmallVector d = kStep * Eigen::VectorXd::Unit(v.dim(), i);
+      v.value = plus(v.is_orientation, value, d);
+      const Eigen::VectorXd ahead = at.prior.active.residual();
+      v.value = plus(v.is_orientation, value, -d);
+      const Eigen::VectorXd behind = at.prior.active.residual();
+      v.value = value;
+      EXPECT_LT(((ahead - behind) / (2.0 * kStep) - J.col(block.offset + i)).norm(), 1e-8)
+          << "variable " << v.id << " column " << i;
+    }
   }
 }
 
+TEST(MarginalPrior, WithFixedPointsTheJacobianStays) {
+  const Moved at(true);
+  EXPECT_EQ(at.prior.active.jacobian(), Eigen::MatrixXd(at.prior.active.R()));
+  EXPECT_TRUE(at.q->linearisation_point);
+  EXPECT_NE(*at.q->linearisation_point, at.q->value);
+  EXPECT_FALSE(Moved(false).q->linearisation_point);
+}
+
 TEST(MarginalPrior, NormalEquationsAreThoseOfResidualAndJacobian) {
-  for (const bool first_estimates : {false, true}) {
-    const Moved at(first_estimates);
+  for (const bool fixed_points : {false, true}) {
+    Moved at(fixed_points);
     const Eigen::MatrixXd J = at.prior.active.jacobian();
     const Eigen::VectorXd r = at.prior.active.residual();
-    Eigen::MatrixXd H(12, 12);
-    Eigen::VectorXd g(12);
-    at.prior.active.normal_equations(H, g);
-    EXPECT_LT((H - J.transpose() * J).norm(), 1e-12 * H.norm());
-    EXPECT_LT((g - J.transpose() * r).norm(), 1e-12 * g.norm());
+    at.expect_normal_equations(J, r);
+    at.expect_normal_equations(J, r);  // from the Gram that has been kept
     EXPECT_NEAR(at.prior.active.square(), r.squaredNorm(), 1e-12 * r.squaredNorm());
+    const Eigen::MatrixXd K = at.normals(2 * Moved::kDim).reshaped(2, Moved::kDim);
+    Eigen::MatrixXd KT = K, E = Eigen::MatrixXd::Ones(Moved::kCore, 2);
+    at.prior.active.transport(KT);
+    at.prior.active.add_transposed(K, E);
+    E.array() -= 1.0;
+    EXPECT_LT((E.transpose() - KT * at.placed()).norm(), 1e-12 * K.norm());
+  }
+}
+
+TEST(MarginalPrior, SlopeAndSquareAlongAStep) {
+  for (const bool fixed_points : {false, true}) {
+    Moved at(fixed_points);
+    Eigen::VectorXd dx(Moved::kDim);
+    for (const auto& b : at.prior.active.blocks()) {
+      Variable& v = at.variables[b.variable->id];
+      v.step = at.normals(v.dim());
+      v.candidate = plus(v.is_orientation, v.value, v.step);
+      dx.segment(b.offset, b.dim()) = v.step;
+    }
+    const MarginalPrior& prior = at.prior.active;
+    const double slope = prior.residual().dot(prior.jacobian() * dx);
+    EXPECT_NEAR(prior.slope(), slope, 1e-12 * std::abs(slope));
+    const double square = prior.square(&Variable::candidate);
+    at.variables.for_each([](Variable& v) { v.value = v.candidate; });
+    EXPECT_NEAR(square, prior.residual().squaredNorm(), 1e-12 * square);
   }
 }
 
 TEST(MarginalPrior, RelinearisedItSaysTheSameHere) {
-  for (const bool first_estimates : {false, true}) {
-    Moved at(first_estimates);
+  for (const bool fixed_points : {false, true}) {
+    Moved at(fixed_points);
     const Eigen::MatrixXd J = at.prior.active.jacobian();
     const Eigen::VectorXd r = at.prior.active.residual();
+    at.expect_normal_equations(J, r);
     at.prior.relinearise();
     EXPECT_EQ(at.prior.active.difference().norm(), 0.0);
     EXPECT_LT((at.prior.active.residual() - r).norm(), 1e-12 * r.norm());
     EXPECT_LT((at.prior.active.jacobian() - J).norm(), 1e-12 * J.norm());
-    Eigen::MatrixXd H(12, 12);
-    Eigen::VectorXd g(12);
-    at.prior.active.normal_equations(H, g);
-    EXPECT_LT((H - J.transpose() * J).norm(), 1e-12 * H.norm());
+    at.expect_normal_equations(J, r);
+    const std::vector<int>& starts = at.prior.active.starts();
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      EXPECT_EQ(at.prior.active.R().row(static_cast<int>(i)).head(starts[i]).norm(), 0.0);
+    }
   }
 }
 
-// With first estimates the Jacobian is the one at b0, wherever the variables are.
-TEST(MarginalPrior, FirstEstimatesDoNotTurn) {
-  const Moved fixed(true), turned(false);
-  Moved there(true);
-  there.prior.relinearise();
-  EXPECT_EQ((fixed.prior.active.jacobian() - there.prior.active.jacobian()).norm(), 0.0);
-  EXPECT_GT((fixed.prior.active.jacobian() - turned.prior.active.jacobian()).norm(), 1e-2);
+TEST(MarginalPrior, ConditionedOnZeroItIsTheRest) {
+  Moved at(false);
+  const Eigen::MatrixXd J = at.prior.active.jacobian();
+  at.w->value.setZero();
+  const Eigen::VectorXd r = at.prior.active.residual();
+  at.prior.condition_on_zero(at.w->id);
+  EXPECT_EQ(at.prior.active.find(at.w->id), nullptr);
+  EXPECT_EQ(at.prior.active.cols(), 11);
+  EXPECT_EQ(at.prior.active.find(at.q->id)->offset, 0);
+  EXPECT_LT((at.prior.active.residual() - r).norm(), 1e-12 * r.norm());
+  EXPECT_LT((at.prior.active.jacobian() - J.rightCols(11)).norm(), 1e-12 * J.norm());
+  at.prior.condition_on_zero(99);  // of another variable: nothing to do
+  at.prior.condition_on_zero(at.u->id);
+  EXPECT_EQ(at.prior.active.cols(), 6);
+  EXPECT_EQ(at.prior.active.find(at.p->id)->offset, 3);
+  const std::vector<int>& starts = at.prior.active.starts();
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    EXPECT_EQ(at.prior.active.R().row(static_cast<int>(i)).head(starts[i]).norm(), 0.0);
+  }
 }
 
-TEST(MarginalPrior, ConditionedOnZeroItIsTheResidualThere) {
+// p(b) p(x | b), and of it the rows that were there.
+TEST(MarginalPrior, JoinedItIsTheProduct) {
   Moved at(false);
-  at.w.value.setZero();
-  const Eigen::VectorXd r = at.prior.active.residual();
   const Eigen::MatrixXd J = at.prior.active.jacobian();
-  at.prior.condition_on_zero(at.w.id);
-  EXPECT_EQ(at.prior.active.find(at.w.id), nullptr);
-  EXPECT_EQ(at.prior.active.cols(), kMotionDim);
-  EXPECT_LT((at.prior.active.residual() - r).norm(), 1e-12 * r.norm());
-  EXPECT_LT((at.prior.active.jacobian() - J.rightCols(kMotionDim)).norm(), 1e-12 * J.norm());
-  at.prior.condition_on_zero(99);  // of another variable: nothing to do
-  EXPECT_EQ(at.prior.active.cols(), kMotionDim);
+  const Eigen::VectorXd r = at.prior.active.residual(), d = at.prior.active.difference();
+  Variable& x = at.variables.add(at.normals(3), false, true);
+  x.core = 20;
+  const Eigen::VectorXd mean = at.normals(3);
+  const Eigen::MatrixXd K = at.normals(3 * Moved::kDim).reshaped(3, Moved::kDim);
+  Eigen::MatrixXd U = at.normals(9).reshaped(3, 3).triangularView<Eigen::Upper>(), KT = K;
+  at.prior.active.transport(KT);
+  at.prior.active.join({&x}, mean, K, U);
+  EXPECT_FALSE(x.is_private);
+  EXPECT_EQ(at.prior.active.cols(), 3 + Moved::kDim);
+  EXPECT_EQ(at.prior.active.find(x.id)->offset, 0);
+  Eigen::VectorXd expected(3 + Moved::kDim);
+  expected << U * (x.value - mean - K * d), r;
+  EXPECT_LT((at.prior.active.residual() - expected).norm(), 1e-12 * expected.norm());
+  Eigen::MatrixXd of_all = Eigen::MatrixXd::Zero(3 + Moved::kDim, 3 + Moved::kDim);
+  of_all.topLeftCorner(3, 3) = U;
+  of_all.topRightCorner(3, Moved::kDim) = -U * KT;
+  of_all.bottomRightCorner(Moved::kDim, Moved::kDim) = J;
+  EXPECT_LT((at.prior.active.jacobian() - of_all).norm(), 1e-12 * of_all.norm());
+  for (int i = 0; i < 3 + Moved::kDim; ++i) {  // still a triangle, which costs less
+    EXPECT_EQ(at.prior.active.starts()[static_cast<std::size_t>(i)], i);
+  }
 }
 
 }  // namespace

@@ -1,108 +1,161 @@
-// Marginalisation and first estimates, on linear problems whose answer is known.
-#include <ceres/sized_cost_function.h>
+// To marginalise and then solve is to solve and then marginalise: what stays has the same mean and
+// covariance before and after, whatever leaves.
 #include <gtest/gtest.h>
 
-#include <random>
-
-#include "smoothers/factors/factors.h"
-#include "smoothers/solver/marginalise.h"
-#include "smoothers/solver/normal_equations.h"
-#include "tests/smoothers/linear_problem.h"
+#include "tests/smoothers/fixture/posterior.h"
+#include "tests/smoothers/fixture/scene.h"
 
 namespace slammot {
 namespace {
 
-TEST(Marginalise, ThenSolvingIsSolvingThenMarginalising) {
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    Graph whole = test::linear_problem(seed), part = test::linear_problem(seed);
-    const Step solution = NormalEquations(whole).step();
-    const std::vector<std::vector<VariableId>> kept{{4, 6, 7}, {9, 10, 11}};
-    const auto P = NormalEquations(whole).covariances(kept);
-    marginalise(part, {0, 1});
-    marginalise(part, {2});
-    marginalise(part, {3, 5, 8});
-    const NormalEquations equations(part);
-    const Step step = equations.step();
-    const auto P_part = equations.covariances(kept);
-    for (const VariableId id : {4, 6, 7, 9, 10, 11}) {
-      EXPECT_LT((step.at(id) - solution.at(id)).norm(), 1e-10 * (1.0 + solution.at(id).norm()));
-    }
-    for (std::size_t i = 0; i < P.size(); ++i) {
-      EXPECT_LT((P[i] - P_part[i]).norm(), 1e-10 * P[i].norm()) << "seed " << seed;
-    }
-  }
-}
+using test::Scene;
 
-TEST(Marginalise, WithoutThePriorTheAnswerIsAnother) {
-  Graph whole = test::linear_problem(1), part = test::linear_problem(1);
-  const Step solution = NormalEquations(whole).step();
-  marginalise(part, {0, 1});
-  part.prior().active.set({}, {}, {});
-  const Step step = NormalEquations(part).step();
-  EXPECT_GT((step.at(2) - solution.at(2)).norm(), 1e-3);
-}
+constexpr double kExact = 1e-8;  // [sigma]
 
-// x^2 - y, which has another Jacobian wherever it is evaluated.
-class SquareCost final : public ceres::SizedCostFunction<1, 1, 1> {
- public:
-  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    residuals[0] = x[0][0] * x[0][0] - x[1][0];
-    if (jacobians && jacobians[0]) jacobians[0][0] = 2.0 * x[0][0];
-    if (jacobians && jacobians[1]) jacobians[1][0] = -1.0;
-    return true;
+struct Marginalisation : testing::TestWithParam<std::string> {
+  Marginalisation() : scene(9, {GetParam()}), graph(scene.graph) {}
+  void expect_exact(const Leaving& leaving) {
+    EXPECT_LT(test::change_by_marginalising(scene, leaving), kExact);
   }
+  Scene scene;
+  Graph& graph;
 };
 
-// With first estimates, a variable that the prior touches keeps its linearisation point, and others
-// do not (Huang, Mourikis and Roumeliotis 2010).
-TEST(FirstEstimates, JacobiansBesideThePriorStay) {
-  for (const bool first_estimates : {false, true}) {
-    Graph graph(first_estimates);
-    const Eigen::VectorXd three = Eigen::VectorXd::Constant(1, 3.0);
-    const VariableId old = graph.add_variable(three, nullptr, -1);
-    const VariableId x = graph.add_variable(three, nullptr, -1);
-    const VariableId y = graph.add_variable(three, nullptr, -1);
-    graph.add_factor({old, x}, std::make_unique<SquareCost>());
-    graph.add_factor({x, old}, std::make_unique<SquareCost>());
-    marginalise(graph, {old});
-    const FactorId beside = graph.add_factor({x, y}, std::make_unique<SquareCost>());
-    const FactorId apart = graph.add_factor({y, x}, std::make_unique<SquareCost>());
-    Step step;
-    step[x] = step[y] = SmallVector::Constant(1, 2.0);
-    graph.retract(step);
-    graph.linearise();
-    EXPECT_DOUBLE_EQ(graph.factors().at(beside).J(0, 0), first_estimates ? 6.0 : 10.0);
-    EXPECT_DOUBLE_EQ(graph.factors().at(beside).r(0), 20.0);
-    EXPECT_DOUBLE_EQ(graph.factors().at(apart).J(0, 0), 10.0);
+bool holds(const Graph& graph, VariableId id) { return graph.prior().active.find(id) != nullptr; }
+
+// The oldest camera leaves with what it measured; the base of the chain in its frame moves on,
+// first one of its own, then one that the prior holds.
+TEST_P(Marginalisation, OfTheOldestFrame) {
+  expect_exact(scene.oldest_leaves());
+  EXPECT_FALSE(graph.initial);
+  EXPECT_EQ(graph.motions.size(), 3u);
+  EXPECT_EQ(graph[Scene::kMoving].steps(), 3);
+  for (const LandmarkId id : {Scene::kPlain, Scene::kBrief, Scene::kMoving, Scene::kFreed}) {
+    EXPECT_TRUE(holds(graph, graph[id].y)) << id;
   }
+  EXPECT_TRUE(holds(graph, graph[Scene::kMoving].w));
+  EXPECT_FALSE(holds(graph, graph[Scene::kFreed].w));  // its chain begins later
+  expect_exact(scene.oldest_leaves());
+  EXPECT_TRUE(holds(graph, graph[Scene::kFreed].w));
+  EXPECT_EQ(graph[Scene::kFreed].steps(), 2);
+  expect_exact(scene.oldest_leaves());
+  EXPECT_EQ(graph.motions.size(), 1u);
 }
 
-// x1 = F x0 + G n: after the substitution x1 has the covariance F P0 F' + G G'.
-TEST(Marginalise, AdvanceIsTheTimeUpdate) {
-  std::mt19937_64 engine(3);
-  std::normal_distribution<double> normal;
-  Matrix6d F = Matrix6d::Identity(), G = Matrix6d::Zero(), P0 = Matrix6d::Zero();
-  for (int i = 0; i < 36; ++i) {
-    F.data()[i] += 0.2 * normal(engine);
-    G.data()[i] = normal(engine);
-    P0.data()[i] = normal(engine);
+// The estimate moves on between: orientations in the prior turn.
+TEST_P(Marginalisation, OfFramesWhileTheEstimateMoves) {
+  for (int i = 0; i < 3; ++i) {
+    expect_exact(scene.oldest_leaves());
+    scene.move(3.0);
   }
-  P0 = P0 * P0.transpose() + Matrix6d::Identity();
-  Graph graph(false);
-  const VariableId y = graph.add_variable(Eigen::Vector3d::Zero(), nullptr, 1);
-  const VariableId w = graph.add_variable(Eigen::Vector3d::Zero(), nullptr, 1);
-  const Matrix6d root = P0.inverse().llt().matrixU();
-  graph.prior().active.set({&graph.variable(y), &graph.variable(w)}, root, Vector6d::Zero());
-  const VariableId n = graph.add_variable(Vector6d::Zero(), nullptr, 1);
-  graph.add_factor({n}, noise_prior_cost(6));
-  const Vector6d next = Vector6d::Constant(0.5);
-  marginalise(graph, {n}, {{y, w, n, F.inverse(), G, next}});
-  const std::vector<std::vector<VariableId>> both{{y, w}};
-  const Matrix6d P = NormalEquations(graph).covariances(both).front();
-  const Matrix6d expected = F * P0 * F.transpose() + G * G.transpose();
-  EXPECT_LT((P - expected).norm(), 1e-12 * expected.norm());
-  EXPECT_EQ(graph.value(y), SmallVector(next.head<3>()));
+  expect_exact(scene.oldest_leaves());
 }
+
+// It is static from the end of its chain on: several steps at once, its motion forgotten.
+TEST_P(Marginalisation, OfTheMotionOfAPrivateLandmark) {
+  Leaving leaving;
+  leaving.departures = {scene.drop(Scene::kMoving)};
+  expect_exact(leaving);
+  EXPECT_FALSE(graph[Scene::kMoving].is_free());
+  EXPECT_EQ(graph[Scene::kMoving].steps(), 0);
+  EXPECT_TRUE(graph[Scene::kMoving].pixels.empty());
+}
+
+TEST_P(Marginalisation, OfTheMotionOfALandmarkInThePrior) {
+  expect_exact(scene.oldest_leaves());
+  ASSERT_TRUE(holds(graph, graph[Scene::kMoving].w));
+  scene.move();
+  Leaving leaving;
+  leaving.departures = {scene.drop(Scene::kMoving)};
+  expect_exact(leaving);
+}
+
+TEST_P(Marginalisation, OfTheMotionOfALandmarkPartlyInThePrior) {
+  expect_exact(scene.oldest_leaves());
+  ASSERT_TRUE(holds(graph, graph[Scene::kFreed].y));
+  ASSERT_FALSE(holds(graph, graph[Scene::kFreed].w));
+  scene.move();
+  Leaving leaving;
+  leaving.departures = {scene.drop(Scene::kFreed)};
+  expect_exact(leaving);
+}
+
+// All at once: two motions and the oldest frame.
+TEST_P(Marginalisation, OfMotionsWithTheOldestFrame) {
+  for (int i = 0; i < 2; ++i) {
+    expect_exact(scene.oldest_leaves());
+    scene.move();
+  }
+  Leaving leaving = scene.oldest_leaves();
+  for (const LandmarkId id : {Scene::kMoving, Scene::kFreed}) {
+    std::erase_if(leaving.departures, [&](const Departure& d) { return d.landmark == id; });
+    leaving.departures.push_back(scene.drop(id));
+  }
+  expect_exact(leaving);
+}
+
+// A motion of which no chain has begun: it leaves with its prior alone.
+TEST_P(Marginalisation, OfAMotionWithoutAChain) {
+  GraphLandmark& l = graph[Scene::kPlain];
+  graph.free_landmark(Scene::kPlain, MotionVector::Constant(graph.models().landmark->motion, 0.4));
+  graph.linearise();
+  Leaving leaving;
+  leaving.departures = {scene.drop(Scene::kPlain)};
+  expect_exact(leaving);
+  EXPECT_FALSE(l.is_free());
+  EXPECT_FALSE(l.pixels.empty());
+}
+
+// Whole landmarks, of their own or in the prior.
+TEST_P(Marginalisation, OfLandmarks) {
+  const auto all_of = [](LandmarkId id) {
+    Departure d;
+    d.landmark = id;
+    d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
+    return d;
+  };
+  Leaving leaving = scene.oldest_leaves();
+  std::erase_if(leaving.departures, [](const Departure& d) { return d.landmark == Scene::kBrief; });
+  leaving.departures.push_back(all_of(Scene::kBrief));
+  leaving.departures.push_back(all_of(Scene::kKnown));
+  expect_exact(leaving);
+  EXPECT_FALSE(graph[Scene::kBrief].is_alive);
+  scene.move();
+  leaving.clear();
+  leaving.departures = {all_of(Scene::kPlain), all_of(Scene::kLone)};
+  expect_exact(leaving);
+  for (int i = 0; i < 3; ++i) {
+    scene.move();
+    leaving = scene.oldest_leaves();
+    if (i == 2) {  // its chain has come to its end
+      EXPECT_EQ(graph[Scene::kMoving].steps(), 1);
+    }
+    expect_exact(leaving);
+  }
+  leaving.clear();
+  leaving.departures = {all_of(Scene::kMoving), all_of(Scene::kFreed)};
+  leaving.anchors = {scene.cameras[0].position, scene.cameras[1].position};
+  expect_exact(leaving);
+  EXPECT_TRUE(test::active_landmarks(graph).empty());
+}
+
+// A prior that says one per cent more than it should is found out.
+TEST_P(Marginalisation, ThePriorIsNeeded) {
+  const Leaving leaving = scene.oldest_leaves();
+  const test::Asked asked = test::what_stays(graph, leaving);
+  const test::Posterior before = test::posterior(graph, test::dense_problem(graph), asked);
+  scene.marginalise(leaving);
+  MarginalPrior& prior = graph.prior().active;
+  std::vector<Variable*> variables;
+  for (const auto& b : prior.blocks()) variables.push_back(&graph.variables[b.variable->id]);
+  const Eigen::MatrixXd R = 1.01 * prior.R();
+  prior.set(variables, R, Eigen::VectorXd(prior.r()));
+  const test::Posterior after =
+      test::posterior(graph, test::dense_problem(graph), test::renamed(asked, leaving));
+  EXPECT_GT(test::difference(after, before), 1e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, Marginalisation, testing::ValuesIn(test::models()));
 
 }  // namespace
 }  // namespace slammot

@@ -1,104 +1,188 @@
-// Steps, predicted decrease and covariances of the eliminated equations against the dense ones.
-#include <ceres/cost_function.h>
+// Steps and marginals of the eliminated equations against the dense ones, wherever the states of a
+// landmark are: its own, in the prior, or partly there.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <functional>
 
+#include "estimation/estimator.h"
 #include "smoothers/solver/normal_equations.h"
+#include "tests/smoothers/fixture/posterior.h"
+#include "tests/smoothers/fixture/scene.h"
 
 namespace slammot {
 namespace {
 
-// J x - r, whatever J and r are.
-class BlockCost final : public ceres::CostFunction {
- public:
-  BlockCost(std::vector<Eigen::MatrixXd> J, Eigen::VectorXd r)
-      : J_(std::move(J)), r_(std::move(r)) {
-    set_num_residuals(static_cast<int>(r_.size()));
-    for (const auto& J_i : J_)
-      mutable_parameter_block_sizes()->push_back(static_cast<int>(J_i.cols()));
-  }
-  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    Eigen::Map<Eigen::VectorXd> out(residuals, r_.size());
-    out = -r_;
-    for (std::size_t i = 0; i < J_.size(); ++i) {
-      out += J_[i] * Eigen::Map<const Eigen::VectorXd>(x[i], J_[i].cols());
-      if (!jacobians || !jacobians[i]) continue;
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-          jacobians[i], J_[i].rows(), J_[i].cols()) = J_[i];
-    }
-    return true;
-  }
+using test::Scene;
 
- private:
-  std::vector<Eigen::MatrixXd> J_;
-  Eigen::VectorXd r_;
+// What the prior holds.
+struct Held {
+  std::string name;
+  std::function<std::vector<VariableId>(const Scene&)> ids;
+};
+std::ostream& operator<<(std::ostream& out, const Held& held) { return out << held.name; }
+
+const std::vector<Held> kHeld{
+    {"Nothing", nullptr},
+    {"CamerasAndAnchors",
+     [](const Scene& s) -> std::vector<VariableId> {
+       return {s.cameras[0].position, s.cameras[2].orientation, s.cameras[1].rates};
+     }},
+    {"StaticLandmark",
+     [](const Scene& s) -> std::vector<VariableId> {
+       return {s.graph[Scene::kPlain].y, s.cameras[0].orientation, s.graph[Scene::kKnown].y};
+     }},
+    {"BaseOfAChain",
+     [](const Scene& s) -> std::vector<VariableId> {
+       return {s.cameras[1].position, s.graph[Scene::kMoving].y, s.graph[Scene::kMoving].w};
+     }},
+    {"DepthButNotMotion",
+     [](const Scene& s) -> std::vector<VariableId> {
+       return {s.cameras[1].orientation, s.graph[Scene::kFreed].y, s.graph.scene->scene};
+     }},
+    {"SomeOfAll", [](const Scene& s) -> std::vector<VariableId> {
+       const Graph& g = s.graph;
+       return {g[Scene::kFreed].y,       s.cameras[1].orientation, g[Scene::kPlain].y,
+               s.cameras[0].position,    g[Scene::kMoving].y,      g[Scene::kMoving].w,
+               s.cameras[1].rates,       g.scene->scene,           s.cameras[1].position,
+               s.cameras[4].orientation, g[Scene::kBrief].y,       s.cameras[0].orientation};
+     }}};
+
+struct EliminatedEquations : testing::TestWithParam<std::tuple<std::string, Held>> {
+  EliminatedEquations() : scene(5, {std::get<0>(GetParam())}), graph(scene.graph) {
+    const Held& held = std::get<1>(GetParam());
+    if (held.ids) {
+      scene.hold(held.ids(scene));
+      scene.move(5.0);
+    }
+  }
+  // Rows of (camera, anchor, newest state).
+  Eigen::MatrixXd joint_rows(const test::Columns& columns, LandmarkId id) const {
+    const Eigen::MatrixXd state = columns.state_rows(graph, id, graph[id].steps());
+    Eigen::MatrixXd M(kCameraDim + 3 + state.rows(), columns.size());
+    M << columns.rows(graph, scene.newest()), columns.rows(graph, graph[id].anchor), state;
+    return M;
+  }
+  Scene scene;
+  Graph& graph;
+  NormalEquations equations;
 };
 
-// A camera, a landmark with y, w and three noises, and a shared variable that has a unit prior as
-// the noises have.
-TEST(NormalEquations, WithALandmarkEliminatedAreTheDenseOnes) {
-  std::srand(5);
-  Graph graph(false);
-  std::vector<VariableId> ids;
-  const std::vector<int> dims{6, 3, 1, 3, 3, 6, 6, 6}, owners{-1, -1, -1, 7, 7, 7, 7, 7};
-  std::vector<int> first;
-  int total = 0;
-  for (std::size_t i = 0; i < dims.size(); ++i) {
-    ids.push_back(graph.add_variable(Eigen::VectorXd::Random(dims[i]), nullptr, owners[i]));
-    first.push_back(total);
-    total += dims[i];
+TEST_P(EliminatedEquations, StepsAreTheDenseOnes) {
+  const test::DenseProblem dense = test::dense_problem(graph);
+  for (const double damping : {0.0, 0.1, 10.0}) {
+    equations.factorise(graph, scene.newest(), damping);
+    equations.solve(graph);
+    const Eigen::VectorXd dx = test::steps_of(graph), expected = dense.step(damping);
+    EXPECT_LT((dx - expected).norm(), 1e-9 * expected.norm()) << "damping " << damping;
+    const double decrease = -dense.r.dot(dense.J * expected);
+    EXPECT_NEAR(graph.predicted_decrease(), decrease, 1e-9 * decrease);
   }
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(total, total);
-  Eigen::VectorXd g = Eigen::VectorXd::Zero(total);
-  const auto add = [&](const std::vector<std::size_t>& of, int rows, bool unit) {
-    std::vector<VariableId> variables;
-    std::vector<Eigen::MatrixXd> J;
-    Eigen::MatrixXd wide = Eigen::MatrixXd::Zero(rows, total);
-    for (const std::size_t i : of) {
-      variables.push_back(ids[i]);
-      J.emplace_back(Eigen::MatrixXd::Random(rows, dims[i]));
-      if (unit) J.back().setIdentity();
-      wide.middleCols(first[i], dims[i]) = J.back();
-    }
-    const FactorId id = graph.add_factor(
-        variables, std::make_unique<BlockCost>(J, Eigen::VectorXd(Eigen::VectorXd::Random(rows))));
-    H += wide.transpose() * wide;
-    g += wide.transpose() * graph.factors().at(id).r;
-  };
-  add({0}, 6, false);
-  add({1}, 3, false);
-  add({2}, 1, true);
-  add({3, 2}, 1, false);
-  add({4}, 3, true);
-  for (const std::size_t n : {5, 6, 7}) add({n}, 6, true);
-  add({0, 1, 3}, 2, false);
-  add({0, 1, 3, 4, 5}, 2, false);
-  add({0, 1, 3, 4, 5, 6}, 2, false);
-  add({0, 1, 3, 4, 5, 6, 7}, 2, false);
-  for (const double damping : {0.0, 0.1}) {
-    const NormalEquations equations(graph, damping);
-    Eigen::MatrixXd damped = H;
-    damped.diagonal() *= 1.0 + damping;
-    const Eigen::VectorXd dx = -damped.ldlt().solve(g);
-    const Step step = equations.step();
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      EXPECT_LT((step.at(ids[i]) - dx.segment(first[i], dims[i])).norm(), 1e-11 * dx.norm())
-          << "variable " << i << ", damping " << damping;
-    }
-    EXPECT_NEAR(equations.predicted_decrease(step), -g.dot(dx), 1e-10 * std::abs(g.dot(dx)));
+}
+
+TEST_P(EliminatedEquations, MarginalsAreTheDenseOnes) {
+  const test::DenseProblem dense = test::dense_problem(graph);
+  const Eigen::MatrixXd P = dense.covariance();
+  equations.factorise(graph, scene.newest());
+  for (const GraphCamera& camera : scene.cameras) {
+    const Eigen::MatrixXd M = dense.columns.rows(graph, camera);
+    const Matrix12d expected = M * P * M.transpose();
+    EXPECT_LT(test::difference(equations.camera_covariance(graph, camera), expected), 1e-9);
   }
-  const StateProjection projection{{ids[0], ids[3], ids[4], ids[6], ids[7]},
-                                   Eigen::MatrixXd::Random(4, 24)};
-  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(4, total);
-  Eigen::Index column = 0;
-  for (const std::size_t i : {0, 3, 4, 6, 7}) {
-    J.middleCols(first[i], dims[i]) = projection.J.middleCols(column, dims[i]);
-    column += dims[i];
+  EXPECT_LT(test::difference(equations.camera_covariance(),
+                             equations.camera_covariance(graph, scene.newest())),
+            1e-12);
+  // Announced one by one and together, in any order, they are the same.
+  equations.prepare(graph, std::vector<LandmarkId>{Scene::kFreed});
+  equations.prepare(graph, std::vector<LandmarkId>{5, 3, 1, 0, 2, 4});
+  for (const LandmarkId id : test::active_landmarks(graph)) {
+    const Eigen::MatrixXd M = joint_rows(dense.columns, id);
+    EXPECT_EQ(equations.steps(id), graph[id].steps());
+    EXPECT_EQ(equations.state_dim(graph, id), M.rows() - kCameraDim - 3);
+    EXPECT_LT(test::difference(equations.joint(id), M * P * M.transpose()), 1e-9) << id;
   }
-  const Eigen::MatrixXd expected = J * H.inverse() * J.transpose();
-  const Eigen::MatrixXd P = NormalEquations(graph).covariances(std::vector{projection}).front();
-  EXPECT_LT((P - expected).norm(), 1e-10 * expected.norm());
+}
+
+// After the step marginals are asked for in the tangent space that it led to.
+TEST_P(EliminatedEquations, MarginalsFollowTheStep) {
+  const test::DenseProblem dense = test::dense_problem(graph);
+  const Eigen::MatrixXd P = dense.covariance();
+  equations.factorise(graph, scene.newest());
+  equations.solve(graph);
+  const Eigen::Vector3d turn = graph.variables[scene.newest().orientation].step;
+  graph.retract();
+  equations.follow_step(graph);
+  equations.prepare(graph, std::vector<LandmarkId>{Scene::kPlain, Scene::kMoving});
+  for (const LandmarkId id : {Scene::kPlain, Scene::kMoving}) {
+    Eigen::MatrixXd M = joint_rows(dense.columns, id);
+    M.middleRows<3>(kRotation) = (right_jacobian_so3(turn) * M.middleRows<3>(kRotation)).eval();
+    const Eigen::MatrixXd expected = M * P * M.transpose();
+    EXPECT_LT(test::difference(equations.joint(id), expected), 1e-9);
+    EXPECT_LT(test::difference(equations.camera_covariance(), expected.topLeftCorner<12, 12>()),
+              1e-9);
+  }
+}
+
+// The step from the graph as it was carried along is that of its stored rows.
+TEST_P(EliminatedEquations, OfTheStoredLinearisation) {
+  test::set_steps(graph, 0.05 * Eigen::VectorXd::Random(test::Columns(graph).size()));
+  graph.retract();
+  const Eigen::VectorXd expected = test::stored_problem(graph).step();
+  EXPECT_GT((test::dense_problem(graph).step() - expected).norm(), 1e-3 * expected.norm());
+  equations.factorise(graph, scene.newest());
+  equations.solve(graph);
+  EXPECT_LT((test::steps_of(graph) - expected).norm(), 1e-9 * expected.norm());
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, EliminatedEquations,
+                         testing::Combine(testing::ValuesIn(test::models()),
+                                          testing::ValuesIn(kHeld)),
+                         [](const auto& scene) {
+                           return std::get<0>(scene.param) + "_" + std::get<1>(scene.param).name;
+                         });
+
+// A landmark that has just been seen: its own three rows determine it, and nothing else. Before the
+// step, and after it, in the tangent spaces that it led to.
+struct LandmarkAddedSince : testing::TestWithParam<std::tuple<bool, bool>> {};
+
+TEST_P(LandmarkAddedSince, HasItsMarginal) {
+  const auto [is_free, is_after_step] = GetParam();
+  Scene scene(6);
+  Graph& graph = scene.graph;
+  NormalEquations equations;
+  equations.factorise(graph, scene.newest());
+  if (is_after_step) {
+    equations.solve(graph);
+    graph.retract();
+    equations.follow_step(graph);
+  }
+  equations.prepare(graph, std::vector<LandmarkId>{0});
+  const LandmarkId id = graph.add_landmark(scene.newest().position, {0.1, 0.2, 0.3});
+  GraphLandmark& l = graph[id];
+  l.birth.kind = BirthPrior::Kind::kSharedDepth;
+  l.birth.sigma = 0.1;
+  l.birth.scene = graph.scene->scene;
+  graph.add_pixel(id, scene.newest(), {330.0, 250.0}, 0);
+  if (is_free) graph.free_landmark(id, MotionVector::Constant(3, 0.4));
+  graph.linearise(l);
+  equations.add(graph, id);
+  equations.prepare(graph, std::vector<LandmarkId>{id});
+  const test::DenseProblem dense = test::stored_problem(graph);
+  const test::Columns& columns = dense.columns;
+  const Eigen::MatrixXd state = columns.state_rows(graph, id, 0);
+  Eigen::MatrixXd M(kCameraDim + 3 + state.rows(), columns.size());
+  M << columns.rows(graph, scene.newest()), columns.rows(graph, l.anchor), state;
+  EXPECT_LT(test::difference(equations.joint(id), M * dense.covariance() * M.transpose()), 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, LandmarkAddedSince,
+                         testing::Combine(testing::Bool(), testing::Bool()));
+
+TEST(NormalEquations, WhatIsNotDeterminedIsRefused) {
+  Scene scene(7);
+  Graph& graph = scene.graph;
+  graph[Scene::kLone].birth.kind = BirthPrior::Kind::kNone;  // one pixel has no depth
+  graph.linearise();
+  EXPECT_THROW(NormalEquations().factorise(graph, scene.newest()), Diverged);
 }
 
 }  // namespace

@@ -1,114 +1,142 @@
-// Minimum and covariances of a small scene against those that Ceres finds.
+// Minimum and covariances of a scene against those that Ceres finds.
 #include <ceres/covariance.h>
-#include <ceres/problem.h>
 #include <gtest/gtest.h>
 
-#include <random>
-
 #include "estimation/estimator.h"
-#include "models/camera_motion.h"
-#include "smoothers/factors/camera_manifold.h"
-#include "smoothers/factors/factors.h"
 #include "smoothers/solver/ceres_solve.h"
 #include "smoothers/solver/optimise.h"
-#include "tests/smoothers/fixture.h"
+#include "tests/smoothers/fixture/dense.h"
+#include "tests/smoothers/fixture/posterior.h"
+#include "tests/smoothers/fixture/scene.h"
 
 namespace slammot {
 namespace {
 
-// Three cameras, eight static landmarks anchored at the first: enough for every kind of block.
-struct SmallScene {
-  MotionManifold manifold;
-  Graph graph{false};
-  std::vector<VariableId> positions, motions, ys;
+using test::Scene;
 
-  SmallScene() {
-    std::mt19937_64 engine(7);
-    std::normal_distribution<double> normal;
-    InitialCamera initial;
-    initial.state = test::camera_at(0.0, 0.0);
-    initial.position_sigma = initial.rotation_sigma = 0.01;
-    for (int i = 0; i < 3; ++i) {
-      Eigen::VectorXd position(3), motion(kMotionSize);
-      camera_to_blocks(test::camera_at(0.3 * i, 0.05 * i), position.data(), motion.data());
-      positions.push_back(graph.add_variable(position, nullptr, -1));
-      motions.push_back(graph.add_variable(motion, &manifold, -1));
+TEST(Optimise, FindsTheMinimumThatCeresFinds) {
+  for (const bool is_robust : {false, true}) {
+    Scene ours(15, {"scaled_velocity", is_robust, false});
+    Scene theirs(15, {"scaled_velocity", is_robust, false});
+    for (Scene* scene : {&ours, &theirs}) {
+      scene->hold({scene->graph[Scene::kPlain].y, scene->cameras[0].orientation,
+                   scene->graph[Scene::kMoving].y, scene->graph[Scene::kMoving].w});
+      scene->move();
     }
-    graph.add_factor({positions[0], motions[0]}, initial_camera_cost(initial));
-    MotionNoise noise{2.0, 1.0};
-    for (std::size_t i = 1; i < 3; ++i) {
-      graph.add_factor({positions[i - 1], motions[i - 1], positions[i], motions[i]},
-                       camera_motion_cost(camera_noise(noise, initial.state, 0.3), 0.3));
-    }
-    for (int l = 0; l < 8; ++l) {
-      const Eigen::Vector3d y(0.1 * normal(engine), 0.1 * normal(engine), 0.2);
-      ys.push_back(graph.add_variable(y, nullptr, l));
-      graph.add_factor({ys.back()}, inverse_depth_prior_cost({0.2, 0.05, 2.0}));
-      for (std::size_t i = 0; i < 3; ++i) {
-        const Eigen::Vector2d z(320.0 + 40.0 * normal(engine) - 25.0 * static_cast<double>(i),
-                                240.0 + 40.0 * normal(engine));
-        if (i == 0) {
-          graph.add_factor({motions[0], ys.back()}, first_pixel_cost(test::pinhole(), z, 30.0));
-        } else {
-          graph.add_factor({positions[i], motions[i], positions[0], ys.back()},
-                           pixel_cost(test::pinhole(), z, 30.0));
-        }
+    Optimiser optimiser;
+    optimiser(ours.graph, ours.newest(), 200, 1e-20);
+    solve_with_ceres(theirs.graph, 500);
+    const Eigen::VectorXd sigma =
+        test::dense_problem(ours.graph).covariance().diagonal().cwiseSqrt();
+    const test::Columns columns(ours.graph);
+    ours.graph.variables.for_each([&](const Variable& v) {
+      const Eigen::VectorXd d =
+          minus(v.is_orientation, v.value, theirs.graph.variables[v.id].value);
+      const Eigen::VectorXd of_v = sigma.segment(columns.of(v.id), v.dim());
+      EXPECT_LT(d.cwiseQuotient(of_v).cwiseAbs().maxCoeff(), 1e-4) << v.id;
+    });
+    for (const LandmarkId id : {Scene::kMoving, Scene::kFreed}) {
+      for (std::size_t k = 0; k < ours.graph[id].chain.size(); ++k) {
+        const LandmarkVector d = ours.graph[id].chain[k].noise - theirs.graph[id].chain[k].noise;
+        EXPECT_LT(d.cwiseAbs().maxCoeff(), 1e-4);
       }
     }
   }
-};
+}
 
-TEST(NormalEquations, CovariancesAreThoseOfCeres) {
-  SmallScene scene;
-  optimise(scene.graph, 50, 1e-20);
-  scene.graph.linearise();
-  const std::vector<std::vector<VariableId>> sets{{scene.positions[2], scene.motions[2]},
-                                                  {scene.positions[0], scene.ys[3]}};
-  const auto P = NormalEquations(scene.graph).covariances(sets);
-  ceres::Problem::Options options;
-  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(options);
-  for (const auto& [id, v] : scene.graph.variables()) {
-    problem.AddParameterBlock(scene.graph.variable(id).value.data(),
-                              static_cast<int>(v.value.size()),
-                              const_cast<ceres::Manifold*>(v.manifold));
-  }
-  for (const auto& [id, f] : scene.graph.factors()) {
-    std::vector<double*> blocks;
-    for (const VariableId v : f.variables) blocks.push_back(scene.graph.variable(v).value.data());
-    problem.AddResidualBlock(f.cost.get(), nullptr, blocks);
-  }
+TEST(Optimise, CovariancesAreThoseOfCeres) {
+  Scene scene(16);
+  Graph& graph = scene.graph;
+  Optimiser optimiser;
+  optimiser(graph, scene.newest(), 200, 1e-20);
+  graph.linearise();
+  NormalEquations equations;
+  equations.factorise(graph, scene.newest());
+  equations.prepare(graph, std::vector<LandmarkId>{Scene::kPlain});
+  const CeresProblem built = ceres_problem(graph);
   ceres::Covariance::Options dense;
   dense.algorithm_type = ceres::DENSE_SVD;
   ceres::Covariance oracle(dense);
-  for (std::size_t k = 0; k < sets.size(); ++k) {
-    std::vector<const double*> blocks;
-    for (const VariableId id : sets[k]) blocks.push_back(scene.graph.variable(id).value.data());
-    ASSERT_TRUE(oracle.Compute(blocks, &problem));
-    Eigen::Matrix<double, -1, -1, Eigen::RowMajor> expected(P[k].rows(), P[k].cols());
-    ASSERT_TRUE(oracle.GetCovarianceMatrixInTangentSpace(blocks, expected.data()));
-    EXPECT_LT((P[k] - expected).norm(), 1e-9 * expected.norm());
+  std::vector<const double*> blocks;
+  for (const VariableId id :
+       {scene.newest().position, scene.newest().orientation, scene.newest().rates,
+        graph[Scene::kPlain].anchor, graph[Scene::kPlain].y}) {
+    blocks.push_back(graph.variables[id].value.data());
   }
+  ASSERT_TRUE(oracle.Compute(blocks, built.problem.get()));
+  Eigen::Matrix<double, 18, 18, Eigen::RowMajor> expected;
+  ASSERT_TRUE(oracle.GetCovarianceMatrixInTangentSpace(blocks, expected.data()));
+  EXPECT_LT(test::difference(equations.joint(Scene::kPlain), expected), 1e-9);
+  // Those that the optimiser has kept are of its last linearisation, a vanishing step away.
+  const Eigen::MatrixXd camera = expected.topLeftCorner<12, 12>();
+  EXPECT_LT(test::difference(optimiser.equations().camera_covariance(), camera), 1e-6);
 }
 
 TEST(Optimise, CeresEndsWhereItWasAllowedTo) {
-  SmallScene scene;
+  Scene scene(17);
   EXPECT_THROW(solve_with_ceres(scene.graph, 1), Diverged);
   EXPECT_GT(solve_with_ceres(scene.graph, 200).iterations, 1);
 }
 
-TEST(Optimise, FindsTheMinimumThatCeresFinds) {
-  SmallScene ours, theirs;
-  optimise(ours.graph, 50, 1e-20);
-  solve_with_ceres(theirs.graph, 200);
-  const NormalEquations equations(ours.graph);
-  for (const auto& [id, v] : ours.graph.variables()) {
-    const std::vector<std::vector<VariableId>> own{{id}};
-    const Eigen::VectorXd sigma = equations.covariances(own).front().diagonal().cwiseSqrt();
-    const Eigen::VectorXd d = minus(v.manifold, v.value, theirs.graph.value(id));
-    EXPECT_LT(d.cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 1e-4) << id;
+// A measurement that cannot be evaluated where Ceres begins is left out, and counted.
+TEST(Optimise, CeresLeavesOutWhatIsBehind) {
+  Scene scene(18);
+  EXPECT_EQ(ceres_problem(scene.graph).waiting, 0);
+  scene.graph.variables[scene.graph[Scene::kKnown].y].value(0) += 3.0;
+  EXPECT_EQ(ceres_problem(scene.graph).waiting, 2);
+}
+
+// Far from the minimum the step of Gauss-Newton raises the cost. It is damped when there is more
+// than one iteration, and taken as it is when there is one, as in an EKF.
+TEST(Optimise, DampsAStepThatRaisesTheCost) {
+  for (unsigned seed = 1;; ++seed) {
+    ASSERT_LT(seed, 100u) << "no such scene";
+    Scene scene(seed);
+    scene.move(10.0);
+    Graph& graph = scene.graph;
+    const double before = graph.linearise();
+    const Eigen::VectorXd dx = test::dense_problem(graph).step();
+    test::set_steps(graph, dx);
+    if (graph.cost_after_step() <= before) continue;
+    Scene once(seed);
+    once.move(10.0);
+    Optimiser()(once.graph, once.newest(), 1, 1e-20);
+    EXPECT_LT((test::steps_of(once.graph) - dx).norm(), 1e-9 * dx.norm());
+    EXPECT_GT(once.graph.linearise(), before);
+    double cost = before;
+    Optimiser optimiser;
+    for (int i = 0; i < 5; ++i) {  // the last of its iterations is not damped, but refused
+      optimiser(graph, scene.newest(), 2, 1e-20);
+      const double after = graph.linearise();
+      EXPECT_LE(after, cost);
+      cost = after;
+    }
+    EXPECT_LT(cost, 0.5 * before);
+    return;
   }
+}
+
+// With fixed points the equations are solved, not the cost minimised: every step is taken.
+TEST(Optimise, TakesEveryStepWithFixedPoints) {
+  for (unsigned seed = 1;; ++seed) {
+    ASSERT_LT(seed, 100u) << "no such scene";
+    Scene scene(seed, {"scaled_velocity", false, true});
+    scene.move(10.0);
+    const double before = scene.graph.linearise();
+    test::set_steps(scene.graph, test::stored_problem(scene.graph).step());
+    if (scene.graph.cost_after_step() <= before) continue;
+    Optimiser()(scene.graph, scene.newest(), 2, 1e20);
+    EXPECT_GT(scene.graph.linearise(), before);
+    return;
+  }
+}
+
+TEST(Optimise, EndsWhenLittleIsToBeGained) {
+  Scene scene(19), other(19);
+  Optimiser()(scene.graph, scene.newest(), 50, 1e20);  // one step
+  Optimiser().take_step(other.graph, other.newest());
+  scene.graph.variables.for_each(
+      [&](const Variable& v) { EXPECT_EQ(v.value, other.graph.variables[v.id].value); });
 }
 
 }  // namespace

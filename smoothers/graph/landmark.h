@@ -1,0 +1,78 @@
+// A landmark in the graph: its variables, and everything that was measured or is assumed of it.
+//
+// A static landmark is y = (theta, phi, rho). A free one is the base state x_0 = (y, w) at the
+// oldest frame that concerns it, and from each frame to the next the landmark model with its noise
+// as a variable of its own,
+//
+//   x_j = f(x_{j-1}) + G_j n_j,   n_j ~ N(0, I),   Q_j = G_j G_j'.
+//
+// That is one state per frame joined by factors of covariance Q, without stiff constraints: when
+// depth and velocity of the base change, the whole chain follows exactly. Q may be singular.
+#pragma once
+
+#include "models/landmarks/landmark_models.h"
+#include "smoothers/graph/residuals.h"
+#include "smoothers/graph/variable.h"
+
+namespace slammot {
+
+using LandmarkId = int;  // its slot in the graph
+
+// One step of a chain.
+struct ChainStep {
+  double dt = 0.0;  // [s]
+  LandmarkMatrix G;
+  LandmarkVector noise;
+  std::optional<LandmarkVector> noise_point;  // set: where Jacobians are taken
+
+  // At the last linearisation: the state after the step, and F = df/dx before it.
+  LandmarkVector x;
+  LandmarkMatrix F;
+  LandmarkVector point;  // the state where Jacobians are taken, with fixed points
+  LandmarkVector step;   // the correction of the noise last computed
+};
+
+// A measurement, with the residual and Jacobians of the last linearisation, weighted by the loss.
+struct GraphPixel {
+  VariableId position = 0, orientation = 0;
+  int depth = 0;  // chain steps between the base and the frame
+  MeasuredPixel z;
+  bool valid = true;  // false: behind the camera; all of it is zero
+  PixelResidual at;
+};
+
+// What was assumed of y at birth, until it is marginalised: rows of the residual.
+struct BirthPrior {
+  enum class Kind {
+    kNone,
+    kDepth,        // (rho - rho0) / sigma_rho
+    kSharedDepth,  // (rho - m) / sigma_rho, where m is the mean of the scene, a variable
+    kKnown         // (a + G/rho - X) / sigma
+  };
+  Kind kind = Kind::kNone;
+  double inverse_depth = 0.0, sigma = 1.0;
+  VariableId scene = -1;
+  KnownLandmark known;
+
+  Eigen::Vector3d r = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d J_anchor = Eigen::Matrix3d::Zero(), J_y = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d J_scene = Eigen::Vector3d::Zero();
+
+  int rows() const { return kind == Kind::kNone ? 0 : kind == Kind::kKnown ? 3 : 1; }
+};
+
+struct GraphLandmark {
+  bool is_alive = true;
+  VariableId anchor = 0;  // camera position at its birth
+  VariableId y = 0;       // at the base
+  VariableId w = -1;      // at the base; -1: static
+  MotionVector w_sigmas;  // of w's prior; empty once it is marginalised
+  std::vector<ChainStep> chain;
+  std::vector<GraphPixel> pixels;  // oldest first
+  BirthPrior birth;
+
+  bool is_free() const { return w >= 0; }
+  int steps() const { return static_cast<int>(chain.size()); }
+};
+
+}  // namespace slammot

@@ -1,0 +1,136 @@
+// The graph's residuals and Jacobians at the current estimate.
+#include "smoothers/graph/robust.h"
+
+namespace slammot {
+
+double Graph::linearise() {
+  double sum = prior_.active.square();
+  if (initial) {
+    linearise(*initial);
+    sum += initial->r.squaredNorm();
+  }
+  for (CameraMotionFactor& factor : motions) {
+    linearise(factor);
+    sum += factor.r.squaredNorm();
+  }
+  if (scene) {
+    scene->r = (variables[scene->scene].value(0) - scene->inverse_depth) / scene->sigma;
+    sum += scene->r * scene->r;
+  }
+  for (GraphLandmark& landmark : landmarks) {
+    if (landmark.is_alive) sum += linearise(landmark);
+  }
+  return 0.5 * sum;
+}
+
+void Graph::linearise(InitialCameraFactor& f) {
+  f.r = initial_camera_residual(f.initial, linearisation_point(f.camera), &f.J);
+  if (fixed_points_) f.r = initial_camera_residual(f.initial, camera(f.camera), nullptr);
+}
+
+void Graph::linearise(CameraMotionFactor& f) {
+  f.r = camera_motion_residual(f.weight, f.dt, linearisation_point(f.from),
+                               linearisation_point(f.to), &f.J_from, &f.J_to);
+  if (!fixed_points_) return;
+  f.r = camera_motion_residual(f.weight, f.dt, camera(f.from), camera(f.to), nullptr, nullptr);
+}
+
+// The chain's states at the estimate, and its F at the linearisation points.
+void Graph::linearise_chain(GraphLandmark& l) {
+  const LandmarkFunctions& model = *models_.landmark;
+  LandmarkVector x = landmark_state(variables[l.y].value, variables[l.w].value);
+  LandmarkVector point = fixed_points_
+                             ? landmark_state(variables[l.y].point(), variables[l.w].point())
+                             : LandmarkVector{};
+  for (ChainStep& step : l.chain) {
+    step.F = model.predict_jacobian(fixed_points_ ? point : x, step.dt);
+    x = model.predict(x, step.dt) + step.G * step.noise;
+    step.x = x;
+    if (!fixed_points_) continue;
+    point = model.predict(point, step.dt) + step.G * step.noise_point.value_or(step.noise);
+    step.point = point;
+  }
+}
+
+double Graph::linearise(GraphLandmark& l) {
+  double sum = linearise_birth(l);
+  if (l.is_free()) {
+    linearise_chain(l);
+    if (l.w_sigmas.size() > 0) {
+      sum += variables[l.w].value.cwiseQuotient(l.w_sigmas).squaredNorm();
+    }
+  }
+  for (const ChainStep& step : l.chain) sum += step.noise.squaredNorm();
+  for (GraphPixel& pixel : l.pixels) {
+    const ChainStep* step =
+        pixel.depth > 0 ? &l.chain[static_cast<std::size_t>(pixel.depth - 1)] : nullptr;
+    const Eigen::Vector3d y = step ? step->x.head<3>() : Eigen::Vector3d(variables[l.y].value);
+    if (!fixed_points_) {
+      sum += linearise_pixel(pixel, l, y, y);
+    } else {
+      sum += linearise_pixel(
+          pixel, l, y, step ? step->point.head<3>() : Eigen::Vector3d(variables[l.y].point()));
+    }
+  }
+  return sum;
+}
+
+double Graph::linearise_pixel(GraphPixel& pixel, const GraphLandmark& l, const Eigen::Vector3d& y,
+                              const Eigen::Vector3d& y_point) {
+  const Variable& position = variables[pixel.position];
+  const Variable& orientation = variables[pixel.orientation];
+  const Variable& anchor = variables[l.anchor];
+  auto at = pixel_residual(models_.camera, models_.pixel_sigma, pixel.z, position.point(),
+                           quaternion(orientation.point()), anchor.point(), y_point);
+  if (at && fixed_points_) {
+    const auto here = pixel_residual(models_.camera, models_.pixel_sigma, pixel.z, position.value,
+                                     quaternion(orientation.value), anchor.value, y);
+    if (here) {
+      at->r = here->r;
+    } else {
+      at.reset();
+    }
+  }
+  pixel.valid = at.has_value();
+  if (!pixel.valid) {
+    pixel.at = {Eigen::Vector2d::Zero(), Eigen::Matrix<double, 2, 6>::Zero(), Matrix23d::Zero(),
+                Matrix23d::Zero()};
+    return 0.0;
+  }
+  pixel.at = *at;
+  if (!models_.loss) return at->r.squaredNorm();
+  double weight = 1.0;  // iteratively reweighted: the loss's slope scales the residual
+  const double square = robust(models_.loss, at->r.squaredNorm(), &weight);
+  pixel.at.r *= weight;
+  pixel.at.J_pose *= weight;
+  pixel.at.J_anchor *= weight;
+  pixel.at.J_y *= weight;
+  return square;
+}
+
+double Graph::linearise_birth(GraphLandmark& l) {
+  BirthPrior& birth = l.birth;
+  if (birth.kind == BirthPrior::Kind::kNone) return 0.0;
+  birth.r.setZero();
+  birth.J_anchor.setZero();
+  birth.J_y.setZero();
+  birth.J_scene.setZero();
+  if (birth.kind == BirthPrior::Kind::kKnown) {
+    const auto at =
+        known_residual(birth.known, variables[l.anchor].point(), variables[l.y].point());
+    const auto here = known_residual(birth.known, variables[l.anchor].value, variables[l.y].value);
+    if (!at || !here) return 0.0;
+    birth.r = here->r;
+    birth.J_anchor = at->J_anchor;
+    birth.J_y = at->J_y;
+    return birth.r.squaredNorm();
+  }
+  const bool shared = birth.kind == BirthPrior::Kind::kSharedDepth;
+  birth.J_y(0, 2) = 1.0 / birth.sigma;
+  if (shared) birth.J_scene(0) = -1.0 / birth.sigma;
+  birth.r(0) = depth_residual(birth, variables[l.y].value(2),
+                              shared ? variables[birth.scene].value(0) : 0.0);
+  return birth.r.squaredNorm();
+}
+
+}  // namespace slammot

@@ -1,0 +1,51 @@
+// The residuals of the graph, each a function of models/ with its weight, and their Jacobians in
+// the error states of their variables. The window's own solver and the cost functions for Ceres
+// (cost_functions.h) both call them.
+#pragma once
+
+#include <optional>
+
+#include "models/camera.h"
+#include "models/camera_motion.h"
+#include "models/landmarks/landmark.h"
+#include "models/observation.h"
+
+namespace slammot {
+
+// (x [-] x0) / sigma. `J` may be null.
+Vector12d initial_camera_residual(const InitialCamera& initial, const CameraState& x, Matrix12d* J);
+
+// L^-1 of L L' = Q. Throws std::invalid_argument when Q is singular (discretisation impulse).
+Matrix12d square_root_information(const Matrix12d& Q);
+
+// L^-1 (x1 [-] f(x0)), where `weight` is that L^-1. Both Jacobians may be null.
+Vector12d camera_motion_residual(const Matrix12d& weight, double dt, const CameraState& from,
+                                 const CameraState& to, Matrix12d* J_from, Matrix12d* J_to);
+
+// (h - z) / sigma with its Jacobians; nothing when the landmark is behind the camera. `here`: seen
+// from its anchor, which is the camera's own position, so that h depends on neither.
+struct PixelResidual {
+  Eigen::Vector2d r;
+  Eigen::Matrix<double, 2, 6> J_pose;
+  Matrix23d J_anchor, J_y;
+};
+struct MeasuredPixel {
+  Eigen::Vector2d pixel;
+  bool here = false;
+};
+std::optional<PixelResidual> pixel_residual(const Camera& camera, double sigma,
+                                            const MeasuredPixel& z, const Eigen::Vector3d& position,
+                                            const Eigen::Quaterniond& orientation,
+                                            const Eigen::Vector3d& anchor,
+                                            const Eigen::Vector3d& y);
+
+// (a + G/rho - X) / sigma of a landmark known beforehand; nothing at rho = 0.
+struct KnownResidual {
+  Eigen::Vector3d r;
+  Eigen::Matrix3d J_anchor, J_y;
+};
+std::optional<KnownResidual> known_residual(const KnownLandmark& known,
+                                            const Eigen::Vector3d& anchor,
+                                            const Eigen::Vector3d& y);
+
+}  // namespace slammot

@@ -1,0 +1,24 @@
+// What the residuals of a graph's pixels and birth priors cost.
+#pragma once
+
+#include <cmath>
+
+#include "smoothers/graph/graph.h"
+
+namespace slammot {
+
+// The square of a pixel's residual with its loss, and the root of the loss's slope there.
+inline double robust(const ceres::LossFunction* loss, double square, double* weight) {
+  double rho[3] = {square, 1.0, 0.0};
+  if (loss) loss->Evaluate(square, rho);
+  if (weight) *weight = std::sqrt(rho[1]);
+  return rho[0];
+}
+
+// Of a birth prior of depth, with the scene's mean for one that shares it.
+inline double depth_residual(const BirthPrior& birth, double rho, double mean) {
+  return (rho - (birth.kind == BirthPrior::Kind::kSharedDepth ? mean : birth.inverse_depth)) /
+         birth.sigma;
+}
+
+}  // namespace slammot

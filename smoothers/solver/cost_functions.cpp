@@ -1,0 +1,334 @@
+#include "smoothers/solver/cost_functions.h"
+
+#include <ceres/sized_cost_function.h>
+
+namespace slammot {
+namespace {
+
+using Block3 = Eigen::Map<const Eigen::Vector3d>;
+template <int Rows, int Cols>
+using RowMajor = Eigen::Matrix<double, Rows, Cols, Cols == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+
+// The imaginary directions at q: d(q Exp(d))/dd = A/2, with orthonormal columns.
+Eigen::Matrix<double, 4, 3> tangent_basis(const double* q) {
+  const double x = q[0], y = q[1], z = q[2], w = q[3];
+  Eigen::Matrix<double, 4, 3> A;
+  A << w, -z, y, z, w, -x, -y, x, w, -x, -y, -z;
+  return A;
+}
+
+Eigen::Quaterniond orientation(const double* q) {
+  return Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(q));
+}
+
+// Writes a Jacobian with respect to a Euclidean block, if Ceres wants it.
+template <typename Derived>
+void write(double** jacobians, int block, const Eigen::MatrixBase<Derived>& J) {
+  if (!jacobians || !jacobians[block]) return;
+  constexpr int kRows = Derived::RowsAtCompileTime, kCols = Derived::ColsAtCompileTime;
+  Eigen::Map<RowMajor<kRows, kCols>> out{jacobians[block], J.rows(), J.cols()};
+  out = J;
+}
+
+// The same for an orientation.
+template <typename Derived>
+void write_orientation(double** jacobians, int block, const double* q,
+                       const Eigen::MatrixBase<Derived>& J) {
+  write(jacobians, block, (J * (2.0 * tangent_basis(q).transpose())).eval());
+}
+
+CameraState camera_of(double const* const* x) {
+  CameraState c;
+  c.position = Block3(x[0]);
+  c.orientation = orientation(x[1]);
+  c.velocity = Block3(x[2]);
+  c.angular_velocity = Block3(x[2] + 3);
+  return c;
+}
+
+void write_camera(double** jacobians, int block, double const* const* x, const Matrix12d& J) {
+  write(jacobians, block, J.leftCols<3>().eval());
+  write_orientation(jacobians, block + 1, x[block + 1], J.middleCols<3>(kRotation).eval());
+  write(jacobians, block + 2, J.rightCols<6>().eval());
+}
+
+class InitialCameraCost final : public ceres::SizedCostFunction<12, 3, 4, 6> {
+ public:
+  explicit InitialCameraCost(const InitialCamera& initial) : initial_(initial) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    Matrix12d J;
+    Eigen::Map<Vector12d>(residuals, 12) = initial_camera_residual(initial_, camera_of(x), &J);
+    write_camera(jacobians, 0, x, J);
+    return true;
+  }
+
+ private:
+  InitialCamera initial_;
+};
+
+class CameraMotionCost final : public ceres::SizedCostFunction<12, 3, 4, 6, 3, 4, 6> {
+ public:
+  CameraMotionCost(const Matrix12d& weight, double dt) : weight_(weight), dt_(dt) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    Matrix12d J_from, J_to;
+    Eigen::Map<Vector12d>(residuals, 12) = camera_motion_residual(
+        weight_, dt_, camera_of(x), camera_of(x + 3), jacobians ? &J_from : nullptr, &J_to);
+    if (!jacobians) return true;
+    write_camera(jacobians, 0, x, J_from);
+    write_camera(jacobians, 3, x, J_to);
+    return true;
+  }
+
+ private:
+  Matrix12d weight_;
+  double dt_;
+};
+
+class PixelCost final : public ceres::SizedCostFunction<2, 3, 4, 3, 3> {
+ public:
+  PixelCost(const Camera& camera, double sigma, const MeasuredPixel& z)
+      : camera_(camera), sigma_(sigma), z_(z) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const auto at = pixel_residual(camera_, sigma_, z_, Block3(x[0]), orientation(x[1]),
+                                   Block3(x[2]), Block3(x[3]));
+    if (!at) return false;
+    Eigen::Map<Eigen::Vector2d>(residuals, 2) = at->r;
+    write(jacobians, 0, at->J_pose.leftCols<3>().eval());
+    write_orientation(jacobians, 1, x[1], at->J_pose.rightCols<3>().eval());
+    write(jacobians, 2, at->J_anchor);
+    write(jacobians, 3, at->J_y);
+    return true;
+  }
+
+ private:
+  Camera camera_;
+  double sigma_;
+  MeasuredPixel z_;
+};
+
+class FirstPixelCost final : public ceres::SizedCostFunction<2, 4, 3> {
+ public:
+  FirstPixelCost(const Camera& camera, double sigma, const MeasuredPixel& z)
+      : camera_(camera), sigma_(sigma), z_(z) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const Eigen::Vector3d here = Eigen::Vector3d::Zero();
+    const auto at =
+        pixel_residual(camera_, sigma_, z_, here, orientation(x[0]), here, Block3(x[1]));
+    if (!at) return false;
+    Eigen::Map<Eigen::Vector2d>(residuals, 2) = at->r;
+    write_orientation(jacobians, 0, x[0], at->J_pose.rightCols<3>().eval());
+    write(jacobians, 1, at->J_y);
+    return true;
+  }
+
+ private:
+  Camera camera_;
+  double sigma_;
+  MeasuredPixel z_;
+};
+
+// The Jacobians are carried back along the chain, from the pixel to the base: two rows through each
+// step, where carrying the state's Jacobian forward would take six for each noise before.
+class ChainPixelCost final : public ceres::CostFunction {
+ public:
+  ChainPixelCost(const GraphModels& models, const MeasuredPixel& z,
+                 const std::vector<ChainStep>& chain, int depth)
+      : models_(models), z_(z), chain_(chain), depth_(static_cast<std::size_t>(depth)) {
+    set_num_residuals(2);
+    *mutable_parameter_block_sizes() = {3, 4, 3, 3, models.landmark->motion};
+    for (int i = 0; i < depth; ++i) {
+      mutable_parameter_block_sizes()->push_back(models.landmark->dim());
+    }
+  }
+
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const LandmarkFunctions& model = *models_.landmark;
+    const int dim = model.dim();
+    std::vector<LandmarkVector> states(depth_ + 1);
+    states[0] = landmark_state(Block3(x[3]), Eigen::Map<const Eigen::VectorXd>(x[4], dim - 3));
+    for (std::size_t i = 0; i < depth_; ++i) {
+      states[i + 1] = model.predict(states[i], chain_[i].dt) +
+                      chain_[i].G * Eigen::Map<const Eigen::VectorXd>(x[5 + i], dim);
+    }
+    const auto at = pixel_residual(models_.camera, models_.pixel_sigma, z_, Block3(x[0]),
+                                   orientation(x[1]), Block3(x[2]), states.back().head<3>());
+    if (!at) return false;
+    Eigen::Map<Eigen::Vector2d>(residuals, 2) = at->r;
+    if (!jacobians) return true;
+    write(jacobians, 0, at->J_pose.leftCols<3>().eval());
+    write_orientation(jacobians, 1, x[1], at->J_pose.rightCols<3>().eval());
+    write(jacobians, 2, at->J_anchor);
+    Eigen::Matrix<double, 2, Eigen::Dynamic> J =
+        Eigen::Matrix<double, 2, Eigen::Dynamic>::Zero(2, dim);
+    J.leftCols<3>() = at->J_y;
+    for (std::size_t i = depth_; i-- > 0;) {
+      write(jacobians, static_cast<int>(5 + i), (J * chain_[i].G).eval());
+      J = (J * model.predict_jacobian(states[i], chain_[i].dt)).eval();
+    }
+    write(jacobians, 3, J.leftCols<3>().eval());
+    write(jacobians, 4, J.rightCols(dim - 3).eval());
+    return true;
+  }
+
+ private:
+  const GraphModels& models_;
+  MeasuredPixel z_;
+  const std::vector<ChainStep>& chain_;
+  std::size_t depth_;
+};
+
+class DepthCost final : public ceres::SizedCostFunction<1, 3> {
+ public:
+  explicit DepthCost(const BirthPrior& birth) : birth_(birth) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    residuals[0] = (x[0][2] - birth_.inverse_depth) / birth_.sigma;
+    write(jacobians, 0, Eigen::RowVector3d(0.0, 0.0, 1.0 / birth_.sigma));
+    return true;
+  }
+
+ private:
+  BirthPrior birth_;
+};
+
+class SharedDepthCost final : public ceres::SizedCostFunction<1, 3, 1> {
+ public:
+  explicit SharedDepthCost(double sigma) : sigma_(sigma) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    residuals[0] = (x[0][2] - x[1][0]) / sigma_;
+    write(jacobians, 0, Eigen::RowVector3d(0.0, 0.0, 1.0 / sigma_));
+    write(jacobians, 1, Eigen::Matrix<double, 1, 1>(-1.0 / sigma_));
+    return true;
+  }
+
+ private:
+  double sigma_;
+};
+
+class KnownLandmarkCost final : public ceres::SizedCostFunction<3, 3, 3> {
+ public:
+  explicit KnownLandmarkCost(const KnownLandmark& known) : known_(known) {}
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const auto at = known_residual(known_, Block3(x[0]), Block3(x[1]));
+    if (!at) return false;
+    Eigen::Map<Eigen::Vector3d>(residuals, 3) = at->r;
+    write(jacobians, 0, at->J_anchor);
+    write(jacobians, 1, at->J_y);
+    return true;
+  }
+
+ private:
+  KnownLandmark known_;
+};
+
+class GaussianCost final : public ceres::CostFunction {
+ public:
+  GaussianCost(const Eigen::VectorXd& mean, const Eigen::VectorXd& sigmas)
+      : mean_(mean), sigmas_(sigmas) {
+    const auto dim = static_cast<int>(sigmas.size());
+    set_num_residuals(dim);
+    *mutable_parameter_block_sizes() = {dim};
+  }
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const Eigen::Index dim = sigmas_.size();
+    Eigen::Map<Eigen::VectorXd>(residuals, dim) =
+        (Eigen::Map<const Eigen::VectorXd>(x[0], dim) - mean_).cwiseQuotient(sigmas_);
+    write(jacobians, 0, Eigen::MatrixXd(sigmas_.cwiseInverse().asDiagonal()));
+    return true;
+  }
+
+ private:
+  Eigen::VectorXd mean_, sigmas_;
+};
+
+class MarginalPriorCost final : public ceres::CostFunction {
+ public:
+  explicit MarginalPriorCost(const MarginalPrior& prior) : prior_(prior) {
+    set_num_residuals(static_cast<int>(prior.R().rows()));
+    for (const MarginalPrior::Block& b : prior.blocks()) {
+      mutable_parameter_block_sizes()->push_back(static_cast<int>(b.x0.size()));
+    }
+  }
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const auto R = prior_.R();
+    Eigen::VectorXd d(R.cols());
+    for (std::size_t i = 0; i < prior_.blocks().size(); ++i) {
+      const MarginalPrior::Block& b = prior_.blocks()[i];
+      const SmallVector value = Eigen::Map<const Eigen::VectorXd>(x[i], b.x0.size());
+      d.segment(b.offset, b.dim()) = minus(b.variable->is_orientation, value, b.x0);
+      const auto columns = R.middleCols(b.offset, b.dim());
+      if (b.variable->is_orientation) {
+        write_orientation(jacobians, static_cast<int>(i), x[i],
+                          (columns * transport(value, b.x0)).eval());
+      } else {
+        write(jacobians, static_cast<int>(i), columns);
+      }
+    }
+    Eigen::Map<Eigen::VectorXd>(residuals, R.rows()) = R * d + prior_.r();
+    return true;
+  }
+
+ private:
+  const MarginalPrior& prior_;
+};
+
+}  // namespace
+
+bool OrientationManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
+  Eigen::Map<Eigen::Vector4d>(x_plus_delta, 4) =
+      plus(true, Eigen::Map<const Eigen::Vector4d>(x), Block3(delta));
+  return true;
+}
+
+bool OrientationManifold::Minus(const double* y, const double* x, double* y_minus_x) const {
+  Eigen::Map<Eigen::Vector3d>(y_minus_x, 3) =
+      minus(true, Eigen::Map<const Eigen::Vector4d>(y), Eigen::Map<const Eigen::Vector4d>(x));
+  return true;
+}
+
+bool OrientationManifold::PlusJacobian(const double* x, double* jacobian) const {
+  Eigen::Map<RowMajor<4, 3>>(jacobian, 4, 3) = 0.5 * tangent_basis(x);
+  return true;
+}
+
+bool OrientationManifold::MinusJacobian(const double* x, double* jacobian) const {
+  Eigen::Map<RowMajor<3, 4>>(jacobian, 3, 4) = 2.0 * tangent_basis(x).transpose();
+  return true;
+}
+
+Cost initial_camera_cost(const InitialCamera& initial) {
+  return std::make_unique<InitialCameraCost>(initial);
+}
+
+Cost camera_motion_cost(const Matrix12d& weight, double dt) {
+  return std::make_unique<CameraMotionCost>(weight, dt);
+}
+
+Cost pixel_cost(const GraphModels& models, const MeasuredPixel& z) {
+  if (z.here) return std::make_unique<FirstPixelCost>(models.camera, models.pixel_sigma, z);
+  return std::make_unique<PixelCost>(models.camera, models.pixel_sigma, z);
+}
+
+Cost chain_pixel_cost(const GraphModels& models, const MeasuredPixel& z,
+                      const std::vector<ChainStep>& chain, int depth) {
+  return std::make_unique<ChainPixelCost>(models, z, chain, depth);
+}
+
+Cost birth_cost(const BirthPrior& birth) {
+  if (birth.kind == BirthPrior::Kind::kKnown) {
+    return std::make_unique<KnownLandmarkCost>(birth.known);
+  }
+  if (birth.kind == BirthPrior::Kind::kSharedDepth) {
+    return std::make_unique<SharedDepthCost>(birth.sigma);
+  }
+  return std::make_unique<DepthCost>(birth);
+}
+
+Cost gaussian_cost(const Eigen::VectorXd& mean, const Eigen::VectorXd& sigmas) {
+  return std::make_unique<GaussianCost>(mean, sigmas);
+}
+
+Cost marginal_prior_cost(const MarginalPrior& prior) {
+  return std::make_unique<MarginalPriorCost>(prior);
+}
+
+}  // namespace slammot

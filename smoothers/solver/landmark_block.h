@@ -1,0 +1,89 @@
+// The private variables of one landmark in the normal equations: its state (y, w), until the prior
+// holds it, and the noises of its chain. They are eliminated before the core (cameras, anchors,
+// everything in the prior), and what they leave there is J' P J: the Jacobians of its pixels, whose
+// weight P is the information that a pixel has once the landmark is unknown.
+//
+// The noises n have a unit prior and many components (six a step), but few rows measure them (two a
+// pixel). With N the rows' Jacobian and D the information of the noises (the identity, unless
+// damped), M = I + N D^-1 N' is the covariance of the pixels that the noise gives them. Entries of
+// N D^-1 N' are J_i C_i Phi_ji' J_j', where C_i is the covariance of the state after step i by
+// noise alone, and Phi_ji leads from there to step j. The states follow with their columns Y:
+//
+//   P = M^-1 - Z V^-1 Z',   Z = M^-1 Y,   V = Y' M^-1 Y + what else is known of them.
+//
+// P is small (two rows a pixel), and J has six columns a camera, so that J' P J is added camera by
+// camera.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "models/growing_matrix.h"
+#include "smoothers/graph/graph.h"
+
+namespace slammot {
+
+class LandmarkBlock {
+ public:
+  // From the landmark's stored linearisation. `damping` multiplies the diagonal of H by
+  // 1 + damping. Throws Diverged when the variables are not determined.
+  void eliminate(const Graph& graph, const GraphLandmark& landmark, double damping);
+
+  // What is left for the core: the lower triangle of H, and the gradient, at Variable::core.
+  void add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::VectorXd> g) const;
+  // The diagonal that these rows would have added to H, had nothing been eliminated.
+  void add_squares(Eigen::Ref<Eigen::VectorXd> squares) const;
+
+  // The step of the private variables, given that of the core.
+  void step(const Eigen::VectorXd& core, Graph& graph, GraphLandmark& landmark) const;
+
+  // The newest state of the landmark (y alone when static) is E' core + e, e ~ N(0, covariance):
+  // adds E, core x dim(). In the tangent spaces of the linearisation.
+  int dim() const { return states_; }
+  bool is_in_core() const { return independent_; }  // nothing of it is eliminated
+  int steps() const { return steps_; }              // of the chain
+  void newest(Eigen::Ref<Eigen::MatrixXd> E, LandmarkMatrix& covariance) const;
+
+ private:
+  // Columns that all rows may touch: the anchor, the scene, and states that are in the core.
+  struct Shared {
+    int core = 0, column = 0, dim = 0;
+    bool is_state = false;
+    int state = 0;  // of a state: its first row in (y, w)
+  };
+
+  void lay_out(const Graph& graph, const GraphLandmark& landmark);
+  void fill(const GraphLandmark& landmark);
+  void fill_row(const GraphPixel& pixel, Eigen::Index row);
+  void fill_birth(const GraphLandmark& landmark);
+  void damp_noises(const GraphLandmark& landmark, double damping);
+  void weigh();
+  void eliminate_states(const Graph& graph, const GraphLandmark& landmark, double damping);
+  void advance(const ChainStep& step, std::size_t index, Eigen::Index rows);
+
+  int pixels_ = 0, rows_ = 0, states_ = 3, steps_ = 0;
+  int first_private_ = 0;    // of the states; those before it are in the core
+  bool independent_ = true;  // nothing private: P = I
+  std::vector<Shared> shared_;
+  int shared_cols_ = 0;
+  std::vector<int> poses_;  // of each pixel: the core row of its camera
+
+  GrowingMatrix A_;  // rows x 6, of the pixel's camera
+  GrowingMatrix X_;  // rows x states
+  GrowingMatrix S_;  // rows x shared columns
+  Eigen::VectorXd q_;
+  GrowingMatrix P_;  // rows x rows
+  GrowingMatrix T_;  // states x rows: covariance of the newest state with each row, by noise alone
+  LandmarkMatrix Phi_, C_;         // of the newest state: d/d(base), covariance by noise alone
+  LandmarkVector drift_;           // of the newest state, by the noises' present values
+  std::vector<LandmarkVector> D_;  // of each step, when damped
+
+  GrowingMatrix Z_, ZV_;  // rows x private states
+  LandmarkMatrix V_;
+  LandmarkVector u_;
+  Eigen::VectorXd e_;
+  mutable GrowingMatrix PS_;
+  mutable Eigen::VectorXd change_, weighted_;
+};
+
+}  // namespace slammot

@@ -1,0 +1,171 @@
+#include "smoothers/solver/local_elimination.h"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+
+namespace slammot {
+
+void LocalElimination::compute(const Graph& graph, const Departure& departure, VariableId oldest) {
+  departure_ = departure;
+  const GraphLandmark& l = graph[departure.landmark];
+  dim_ = l.is_free() ? graph.models().landmark->dim() : 3;
+  noises_ = departure.steps > 0 ? dim_ * departure.steps : 0;
+  substitutes_ = departure.steps > 0 && !graph.variables[l.y].is_private;
+  follow_chain(graph, l);
+  lay_out(graph, l, oldest);
+  fill(graph, l, oldest);
+  if (substitutes_) rotate_noises();
+  starts_.assign(static_cast<std::size_t>((*A_).rows()), 0);
+  eliminated_rows_ = triangularise_(*A_, starts_, eliminated_, eliminated_).rows_of_first;
+}
+
+// x_d, and dx_0 = Psi dx_d + N dn. F is taken at the current estimate; with linearisation points of
+// the noises, that is, at the truth, it is that of the factors.
+void LocalElimination::follow_chain(const Graph& graph, const GraphLandmark& l) {
+  const LandmarkFunctions& model = *graph.models().landmark;
+  next = graph.variables[l.y].value;
+  if (l.is_free()) next = landmark_state(graph.variables[l.y].value, graph.variables[l.w].value);
+  Psi.setIdentity(dim_, dim_);
+  N_.resize(dim_, noises_);
+  for (int j = 0; j < departure_.steps; ++j) {
+    const ChainStep& step = l.chain[static_cast<std::size_t>(j)];
+    const LandmarkMatrix F = step.noise_point ? step.F : model.predict_jacobian(next, step.dt);
+    Psi = (Psi * F.inverse()).eval();
+    (*N_).middleCols(j * dim_, dim_) = -Psi * step.G;
+    next = model.predict(next, step.dt) + step.G * step.noise;
+  }
+}
+
+// Columns: the noises, w and y at x_d, then what else the rows touch. Those that are eliminated
+// come first; `segments_` lists the others.
+void LocalElimination::lay_out(const Graph& graph, const GraphLandmark& l, VariableId oldest) {
+  segments_.clear();
+  const Variable& y = graph.variables[l.y];
+  int column = noises_;
+  eliminated_ = substitutes_ ? noises_ - dim_ : noises_;
+  if (substitutes_) segments_.push_back({-1, eliminated_, dim_});
+  const auto place = [&](VariableId id, bool is_private, bool goes) {
+    const int at = column, dim = graph.variables[id].dim();
+    column += dim;
+    if (is_private && goes) {
+      eliminated_ = column;
+    } else {
+      segments_.push_back({id, at, dim});
+    }
+    return at;
+  };
+  w_column_ = -1;
+  if (l.is_free() && (departure_.steps > 0 || departure_.absorbs_prior_of_w)) {
+    w_column_ = place(l.w, graph.variables[l.w].is_private && !substitutes_,
+                      departure_.forgets_w || departure_.leaves);
+  }
+  y_column_ = place(l.y, y.is_private, departure_.leaves);
+  const auto touch = [&](VariableId id) {
+    const int dim = graph.variables[id].dim();
+    if (std::ranges::find(segments_, id, &Segment::variable) != segments_.end()) return;
+    segments_.push_back({id, column, dim});
+    column += dim;
+  };
+  for (const GraphPixel& pixel : l.pixels) {
+    if (!takes(pixel, oldest)) continue;
+    if (!pixel.z.here) {
+      touch(pixel.position);
+      touch(l.anchor);
+    }
+    touch(pixel.orientation);
+  }
+  if (takes_birth(l, oldest)) {
+    if (l.birth.kind == BirthPrior::Kind::kKnown) touch(l.anchor);
+    if (l.birth.kind == BirthPrior::Kind::kSharedDepth) touch(l.birth.scene);
+  }
+  Eigen::Index rows = noises_;
+  for (const GraphPixel& pixel : l.pixels) rows += takes(pixel, oldest) ? 2 : 0;
+  if (takes_birth(l, oldest)) rows += l.birth.rows();
+  if (departure_.absorbs_prior_of_w) rows += l.w_sigmas.size();
+  A_.resize(rows, column + 1);
+  (*A_).setZero();
+}
+
+// Rows that have this coefficient of x after `depth` steps: carried back to x_0 by the F of their
+// linearisation, and from there on to x_d.
+void LocalElimination::fill_on_state(Eigen::Index row, Eigen::Index rows, int depth,
+                                     LandmarkMatrix coefficient, const GraphLandmark& l) {
+  auto A = *A_;
+  for (int j = depth; j-- > 0;) {
+    const ChainStep& step = l.chain[static_cast<std::size_t>(j)];
+    A.block(row, j * dim_, rows, dim_) = coefficient * step.G;
+    coefficient = (coefficient * step.F).eval();
+  }
+  if (noises_ > 0) A.block(row, 0, rows, noises_).noalias() += coefficient * *N_;
+  coefficient = (coefficient * Psi).eval();
+  A.block(row, y_column_, rows, 3) = coefficient.leftCols<3>();
+  if (w_column_ >= 0) A.block(row, w_column_, rows, dim_ - 3) = coefficient.rightCols(dim_ - 3);
+}
+
+void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, VariableId oldest) {
+  auto A = *A_;
+  auto residual = A.col(A.cols() - 1);
+  const auto column = [&](VariableId id) {
+    return std::ranges::find(segments_, id, &Segment::variable)->column;
+  };
+  Eigen::Index row = 0;
+  for (int j = 0; j < departure_.steps; ++j, row += dim_) {
+    A.block(row, row, dim_, dim_).setIdentity();
+    residual.segment(row, dim_) = l.chain[static_cast<std::size_t>(j)].noise;
+  }
+  for (const GraphPixel& pixel : l.pixels) {
+    if (!takes(pixel, oldest)) continue;
+    LandmarkMatrix on_state = LandmarkMatrix::Zero(2, dim_);
+    on_state.leftCols<3>() = pixel.at.J_y;
+    fill_on_state(row, 2, pixel.depth, on_state, l);
+    if (!pixel.z.here) {
+      A.block<2, 3>(row, column(pixel.position)) = pixel.at.J_pose.leftCols<3>();
+      A.block<2, 3>(row, column(l.anchor)) += pixel.at.J_anchor;
+    }
+    A.block<2, 3>(row, column(pixel.orientation)) = pixel.at.J_pose.rightCols<3>();
+    residual.segment<2>(row) = pixel.at.r;
+    row += 2;
+  }
+  if (takes_birth(l, oldest) && l.birth.rows() > 0) {
+    const int rows = l.birth.rows();
+    LandmarkMatrix on_state = LandmarkMatrix::Zero(rows, dim_);
+    on_state.leftCols<3>() = l.birth.J_y.topRows(rows);
+    fill_on_state(row, rows, 0, on_state, l);
+    if (l.birth.kind == BirthPrior::Kind::kKnown) {
+      A.block(row, column(l.anchor), rows, 3) = l.birth.J_anchor.topRows(rows);
+    }
+    if (l.birth.kind == BirthPrior::Kind::kSharedDepth) {
+      A.block(row, column(l.birth.scene), rows, 1) = l.birth.J_scene.topRows(rows);
+    }
+    residual.segment(row, rows) = l.birth.r.head(rows);
+    row += rows;
+  }
+  if (!departure_.absorbs_prior_of_w || l.w_sigmas.size() == 0) return;
+  const Eigen::Index motion = l.w_sigmas.size();
+  LandmarkMatrix on_state = LandmarkMatrix::Zero(motion, dim_);
+  on_state.rightCols(motion) = l.w_sigmas.cwiseInverse().asDiagonal();
+  fill_on_state(row, motion, 0, on_state, l);
+  residual.segment(row, motion) = graph.variables[l.w].value.cwiseQuotient(l.w_sigmas);
+}
+
+// With N' = Q (T 0)', the noises Q'n are as independent as n, and only the first of them, T', are
+// in dx_0. They stand last among the noises' columns.
+void LocalElimination::rotate_noises() {
+  noise_gain = (*N_).rightCols(dim_);
+  if (departure_.steps == 1) return;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr((*N_).transpose());
+  const Eigen::MatrixXd T = qr.matrixQR().topRows(dim_).triangularView<Eigen::Upper>();
+  noise_gain = T.transpose();
+  auto A = *A_;
+  const Eigen::Index rest = A.rows() - noises_, others = noises_ - dim_;
+  const Eigen::MatrixXd turned = A.block(noises_, 0, rest, noises_) * qr.householderQ();
+  A.block(noises_, 0, rest, others) = turned.rightCols(others);
+  A.block(noises_, others, rest, dim_) = turned.leftCols(dim_);
+  auto residual = A.col(A.cols() - 1).head(noises_);
+  const Eigen::VectorXd r = qr.householderQ().transpose() * residual;
+  residual.head(others) = r.tail(others);
+  residual.tail(dim_) = r.head(dim_);
+}
+
+}  // namespace slammot

@@ -1,0 +1,177 @@
+// The Jacobians of every cost function, and with them those of the residuals they share with the
+// window's own solver.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "models/camera_motion.h"
+#include "smoothers/solver/cost_functions.h"
+#include "tests/smoothers/fixture/cameras.h"
+
+namespace slammot {
+namespace {
+
+using RowMajorMatrix = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
+
+Eigen::VectorXd residuals(const ceres::CostFunction& cost, const std::vector<SmallVector>& x,
+                          double** jacobians) {
+  std::vector<const double*> blocks;
+  for (const SmallVector& v : x) blocks.push_back(v.data());
+  Eigen::VectorXd r(cost.num_residuals());
+  EXPECT_TRUE(cost.Evaluate(blocks.data(), r.data(), jacobians));
+  return r;
+}
+
+// Each Jacobian, brought to the tangent space, against central differences there. Only
+// orientations have four numbers, but w of no model and no noise has.
+void expect_gradients(const ceres::CostFunction& cost, const std::vector<SmallVector>& values) {
+  const OrientationManifold manifold;
+  std::vector<RowMajorMatrix> ambient;
+  for (const SmallVector& v : values) ambient.emplace_back(cost.num_residuals(), v.size());
+  std::vector<double*> jacobians;
+  for (RowMajorMatrix& J : ambient) jacobians.push_back(J.data());
+  const Eigen::VectorXd r = residuals(cost, values, jacobians.data());
+  EXPECT_EQ(r, residuals(cost, values, nullptr));
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const bool is_orientation = values[k].size() == 4;
+    RowMajorMatrix P = RowMajorMatrix::Identity(values[k].size(), values[k].size());
+    if (is_orientation) {
+      P.resize(4, 3);
+      manifold.PlusJacobian(values[k].data(), P.data());
+    }
+    const Eigen::MatrixXd J = ambient[k] * P;
+    for (Eigen::Index i = 0; i < J.cols(); ++i) {
+      constexpr double kStep = 1e-5;
+      SmallVector d = SmallVector::Zero(J.cols());
+      d(i) = kStep;
+      std::vector<SmallVector> ahead = values, behind = values;
+      ahead[k] = plus(is_orientation, values[k], d);
+      behind[k] = plus(is_orientation, values[k], -d);
+      const Eigen::VectorXd numeric =
+          (residuals(cost, ahead, nullptr) - residuals(cost, behind, nullptr)) / (2.0 * kStep);
+      ASSERT_LT((numeric - J.col(i)).norm(), 1e-6 * std::max(J.norm(), 1.0))
+          << "block " << k << " column " << i;
+    }
+  }
+}
+
+// The three blocks of a camera.
+std::vector<SmallVector> blocks_of(const CameraState& x) {
+  Vector6d rates;
+  rates << x.velocity, x.angular_velocity;
+  return {x.position, x.orientation.coeffs(), rates};
+}
+
+struct CostFunctions : testing::Test {
+  std::mt19937_64 engine{11};
+  std::normal_distribution<double> normal;
+  GraphModels models{test::pinhole(), 2.0, {}, nullptr, nullptr};
+  CameraState a, b;
+  SmallVector anchor, y;
+
+  Eigen::VectorXd normals(Eigen::Index size, double sigma) {
+    return Eigen::VectorXd::NullaryExpr(size, [&] { return sigma * normal(engine); });
+  }
+  void draw() {
+    a = test::camera_at(normal(engine), 0.3 * normal(engine));
+    b = boxplus(predict(a, 0.1), Vector12d(normals(12, 0.05)));
+    anchor = a.position + Eigen::Vector3d(normals(3, 0.3));
+    const Eigen::Vector3d ray = a.orientation * Eigen::Vector3d(0.2 * normal(engine), 0.1, 1.0);
+    y.resize(3);
+    y << angles(ray, 0.0), 0.2;
+  }
+};
+
+TEST_F(CostFunctions, OfCameras) {
+  for (int k = 0; k < 200; ++k) {
+    draw();
+    InitialCamera initial;
+    initial.state = b;
+    initial.position_sigma = initial.rotation_sigma = 0.1;
+    std::vector<SmallVector> both = blocks_of(a);
+    expect_gradients(*initial_camera_cost(initial), both);
+    for (const SmallVector& block : blocks_of(b)) both.push_back(block);
+    const Matrix12d weight = square_root_information(camera_noise({1.0, 1.0}, a, 0.1));
+    expect_gradients(*camera_motion_cost(weight, 0.1), both);
+  }
+}
+
+TEST_F(CostFunctions, OfStaticLandmarks) {
+  for (int k = 0; k < 200; ++k) {
+    draw();
+    const std::vector<SmallVector> pose = blocks_of(a);
+    expect_gradients(*pixel_cost(models, {{300, 200}, false}), {pose[0], pose[1], anchor, y});
+    expect_gradients(*pixel_cost(models, {{300, 200}, true}), {pose[1], y});
+    BirthPrior birth;
+    birth.inverse_depth = 0.3;
+    birth.sigma = 0.1;
+    birth.kind = BirthPrior::Kind::kDepth;
+    expect_gradients(*birth_cost(birth), {y});
+    birth.kind = BirthPrior::Kind::kSharedDepth;
+    expect_gradients(*birth_cost(birth), {y, SmallVector::Constant(1, 0.25)});
+    birth.kind = BirthPrior::Kind::kKnown;
+    birth.known = {1, normals(3, 2.0), 0.1};
+    expect_gradients(*birth_cost(birth), {anchor, y});
+    expect_gradients(*gaussian_cost(normals(5, 1.0), Eigen::VectorXd::LinSpaced(5, 0.1, 2.0)),
+                     {normals(5, 1.0)});
+  }
+}
+
+TEST_F(CostFunctions, OfFreeLandmarks) {
+  for (const LandmarkFunctions& landmark : landmark_table()) {
+    SCOPED_TRACE(landmark.name);
+    models.landmark = &landmark;
+    for (int k = 0; k < 100; ++k) {
+      draw();
+      const SmallVector w = normals(landmark.motion, 0.3);
+      const LandmarkVector x = landmark_state(Eigen::Vector3d(y), w);
+      const std::vector<SmallVector> pose = blocks_of(a);
+      std::vector<SmallVector> blocks{pose[0], pose[1], anchor, y, w};
+      std::vector<ChainStep> chain(4);  // longer than the pixel is deep
+      for (ChainStep& step : chain) {
+        step.dt = 0.1;
+        step.G = landmark.noise_root(x, LandmarkPrior{}, 0.1);
+      }
+      for (int depth = 1; depth <= 3; ++depth) {
+        blocks.emplace_back(normals(landmark.dim(), 1.0));
+        expect_gradients(*chain_pixel_cost(models, {{300, 200}, false}, chain, depth), blocks);
+      }
+    }
+  }
+}
+
+// With no transport of its own, and of an orientation that has turned since.
+TEST_F(CostFunctions, OfTheMarginalPrior) {
+  Variables variables;
+  for (int k = 0; k < 20; ++k) {
+    draw();
+    std::vector<Variable*> held{&variables.add(anchor, false, false),
+                                &variables.add(a.orientation.coeffs(), true, false),
+                                &variables.add(y, false, true)};
+    MarginalPrior prior(false);
+    prior.set(held, normals(81, 1.0).reshaped(9, 9).triangularView<Eigen::Upper>().toDenseMatrix(),
+              normals(9, 1.0));
+    std::vector<SmallVector> values;
+    for (const Variable* v : held) {
+      values.push_back(plus(v->is_orientation, v->value, normals(3, 0.5)));
+    }
+    const Cost cost = marginal_prior_cost(prior);
+    expect_gradients(*cost, values);
+    for (std::size_t i = 0; i < values.size(); ++i) held[i]->value = values[i];
+    EXPECT_LT((residuals(*cost, values, nullptr) - prior.residual()).norm(), 1e-12);
+  }
+}
+
+TEST_F(CostFunctions, FailBehindTheCamera) {
+  draw();
+  const std::vector<SmallVector> pose = blocks_of(a);
+  SmallVector behind = y;
+  behind(0) += 3.14;
+  const Cost cost = pixel_cost(models, {{300, 200}, true});
+  const double* blocks[] = {pose[1].data(), behind.data()};
+  double r[2];
+  EXPECT_FALSE(cost->Evaluate(blocks, r, nullptr));
+}
+
+}  // namespace
+}  // namespace slammot

@@ -1,0 +1,161 @@
+// What the graph stores of its linearisation, and how a step carries it along, against Ceres.
+#include <gtest/gtest.h>
+
+#include "tests/smoothers/fixture/dense.h"
+#include "tests/smoothers/fixture/scene.h"
+
+namespace slammot {
+namespace {
+
+using test::Scene;
+
+// Variables of every kind, not in the order of their slots.
+std::vector<VariableId> some_of_all(const Scene& scene) {
+  const Graph& graph = scene.graph;
+  return {graph[Scene::kFreed].y,      scene.cameras[1].orientation, graph[Scene::kPlain].y,
+          scene.cameras[0].position,   graph[Scene::kMoving].y,      graph[Scene::kMoving].w,
+          scene.cameras[1].rates,      graph.scene->scene,           scene.cameras[1].position,
+          scene.cameras[0].orientation};
+}
+
+struct GraphLinearisation : testing::TestWithParam<std::tuple<std::string, bool, bool>> {
+  GraphLinearisation() : scene(3, {std::get<0>(GetParam()), std::get<1>(GetParam()), false}) {
+    if (std::get<2>(GetParam())) {
+      scene.hold(some_of_all(scene));
+      scene.move(5.0);
+    }
+  }
+  bool is_robust() const { return std::get<1>(GetParam()); }
+  Scene scene;
+};
+
+TEST_P(GraphLinearisation, IsThatOfCeres) {
+  const double cost = scene.graph.linearise();
+  const test::DenseProblem expected = test::dense_problem(scene.graph);
+  const test::DenseProblem stored = test::stored_problem(scene.graph);
+  ASSERT_EQ(stored.r.size(), expected.r.size());
+  EXPECT_NEAR(cost, expected.cost, 1e-12 * cost);
+  EXPECT_LT((stored.r - expected.r).norm(), 1e-11 * expected.r.norm());
+  for (Eigen::Index i = 0; i < stored.J.rows(); ++i) {
+    EXPECT_LT((stored.J.row(i) - expected.J.row(i)).norm(), 1e-11 * expected.J.row(i).norm())
+        << "row " << i;
+  }
+  // The loss has work to do: it counts for more than the reweighted squares.
+  EXPECT_EQ(cost > 1.01 * 0.5 * stored.r.squaredNorm(), is_robust());
+}
+
+TEST_P(GraphLinearisation, IsTheDerivativeOfTheResiduals) {
+  if (is_robust()) return;  // reweighted residuals are not what their Jacobian is of
+  Graph& graph = scene.graph;
+  const test::DenseProblem at = test::stored_problem(graph);
+  constexpr double kStep = 1e-5;
+  const Eigen::Index n = at.J.cols();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto moved = [&](double by) {
+      test::set_steps(graph, by * Eigen::VectorXd::Unit(n, i));
+      graph.retract();
+      Eigen::VectorXd r = test::dense_problem(graph).r;
+      test::set_steps(graph, -by * Eigen::VectorXd::Unit(n, i));
+      graph.retract();
+      return r;
+    };
+    const Eigen::VectorXd numeric = (moved(kStep) - moved(-kStep)) / (2.0 * kStep);
+    EXPECT_LT((numeric - at.J.col(i)).norm(), 1e-6 * std::max(1.0, at.J.col(i).norm()))
+        << "column " << i;
+  }
+}
+
+TEST_P(GraphLinearisation, CostAfterAStepIsThatOfCeres) {
+  Graph& graph = scene.graph;
+  test::set_steps(graph, 0.01 * Eigen::VectorXd::Random(test::Columns(graph).size()));
+  const double here = graph.linearise(), cost = graph.cost_after_step();
+  EXPECT_EQ(graph.linearise(), here);  // nothing has moved
+  graph.retract();
+  EXPECT_NEAR(cost, test::dense_problem(graph).cost, 1e-12 * cost);
+  EXPECT_NEAR(cost, graph.linearise(), 1e-12 * cost);
+}
+
+TEST_P(GraphLinearisation, PredictedDecreaseIsThatOfTheLinearProblem) {
+  Graph& graph = scene.graph;
+  const test::DenseProblem at = test::dense_problem(graph);
+  const Eigen::VectorXd dx = at.step();
+  test::set_steps(graph, dx);
+  const double expected = at.r.squaredNorm() - (at.r + at.J * dx).squaredNorm();
+  EXPECT_NEAR(graph.predicted_decrease(), expected, 1e-10 * expected);
+}
+
+// r + J dx, and J in the tangent spaces of the new estimate. The prior is evaluated where it is.
+TEST_P(GraphLinearisation, GoesAlongWithAStep) {
+  Graph& graph = scene.graph;
+  const test::DenseProblem before = test::stored_problem(graph);
+  const Eigen::VectorXd dx = 0.1 * Eigen::VectorXd::Random(before.J.cols());
+  test::set_steps(graph, dx);
+  std::vector<std::pair<VariableId, Eigen::Vector3d>> turns;
+  graph.variables.for_each([&](const Variable& v) {
+    if (v.is_orientation) turns.emplace_back(v.id, Eigen::Vector3d(v.step));
+  });
+  graph.retract();
+  const test::DenseProblem after = test::stored_problem(graph);
+  Eigen::MatrixXd J = before.J;
+  for (const auto& [id, turn] : turns) {
+    const int column = before.columns.of(id);
+    J.middleCols<3>(column) = (J.middleCols<3>(column) * inverse_right_jacobian_so3(turn)).eval();
+  }
+  const Eigen::Index rows = before.r.size() - graph.prior().active.r().size();
+  const Eigen::VectorXd r = before.r + before.J * dx;
+  EXPECT_LT((after.r - r).head(rows).norm(), 1e-12 * r.norm());
+  EXPECT_LT((after.J - J).topRows(rows).norm(), 1e-12 * J.norm());
+  const test::DenseProblem anew = test::dense_problem(graph);
+  EXPECT_LT((after.r - anew.r).tail(r.size() - rows).norm(), 1e-11 * r.norm());
+  EXPECT_LT((after.J - anew.J).bottomRows(r.size() - rows).norm(), 1e-11 * J.norm());
+  for (const LandmarkId id : {Scene::kMoving, Scene::kFreed}) {
+    EXPECT_LT((graph[id].chain.back().x - graph.newest_state(graph[id])).norm(), 1e-14);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, GraphLinearisation,
+                         testing::Combine(testing::ValuesIn(test::models()), testing::Bool(),
+                                          testing::Bool()));
+
+// A landmark that has been at rest all the time: its measurements are those of one point, and are
+// linearised as such.
+TEST(Graph, ConditionedOnRest) {
+  for (const bool is_held : {false, true}) {
+    Scene scene(4);
+    Graph& graph = scene.graph;
+    if (is_held) {
+      scene.hold({graph[Scene::kMoving].w, graph[Scene::kMoving].y, scene.cameras[0].position});
+      scene.move();
+    }
+    const Eigen::Index size = test::Columns(graph).size();
+    graph.condition_on_rest(Scene::kMoving);
+    const GraphLandmark& l = graph[Scene::kMoving];
+    EXPECT_FALSE(l.is_free());
+    EXPECT_EQ(l.pixels.size(), 5u);
+    EXPECT_EQ(test::Columns(graph).size(), size - 3 - 4 * 6);
+    const test::DenseProblem stored = test::stored_problem(graph);
+    const test::DenseProblem expected = test::dense_problem(graph);
+    EXPECT_LT((stored.r - expected.r).norm(), 1e-11 * expected.r.norm());
+    EXPECT_LT((stored.J - expected.J).norm(), 1e-11 * expected.J.norm());
+  }
+}
+
+// A pixel behind its camera counts for nothing; a step that would put it there costs very much.
+TEST(Graph, WhatIsBehindTheCamera) {
+  Scene scene(4);
+  Graph& graph = scene.graph;
+  const double before = graph.linearise();
+  test::set_steps(graph, Eigen::VectorXd::Zero(test::Columns(graph).size()));
+  Variable& y = graph.variables[graph[Scene::kLone].y];
+  y.step(0) = 3.0;
+  EXPECT_GT(graph.cost_after_step(), before + 1e5);
+  graph.retract();
+  const GraphPixel& pixel = graph[Scene::kLone].pixels.front();
+  EXPECT_TRUE(pixel.valid);
+  graph.linearise();
+  EXPECT_FALSE(pixel.valid);
+  EXPECT_EQ(pixel.at.r.norm() + pixel.at.J_y.norm() + pixel.at.J_pose.norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace slammot
