@@ -101,6 +101,8 @@ class ConditionalMap {
 
   std::vector<int> rows(const std::vector<VariableId>& ids, bool is_far) const;
   void forget_rows(const std::vector<VariableId>& ids);
+  static std::vector<int> indices(Eigen::Index count);  // 0 .. count - 1
+  // conditional_map_levels.cpp
   void fold();
   void start_stem();
   void lift(const std::vector<VariableId>& ids);
