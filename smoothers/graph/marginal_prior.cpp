@@ -156,7 +156,7 @@ void MarginalPrior::set(const std::vector<Variable*>& variables,
   cols_ = 0;
   has_gram_ = false;
   for (Variable* v : variables) {
-    if (fixed_points_ && !v->linearisation_point) v->linearisation_point = v->value;
+    if (fixed_points_) v->keep_point();
     v->is_private = false;
     blocks_.push_back({v, cols_, v->value});
     cols_ += v->dim();

@@ -32,6 +32,10 @@ struct Variable {
 
   int dim() const { return is_orientation ? 3 : static_cast<int>(value.size()); }
   const SmallVector& point() const { return linearisation_point ? *linearisation_point : value; }
+  // The first estimate, for a variable that a prior now holds.
+  void keep_point() {
+    if (!linearisation_point) linearisation_point = value;
+  }
 };
 
 // Of an orientation as stored.

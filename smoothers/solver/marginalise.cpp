@@ -273,7 +273,9 @@ void Marginaliser::operator()(Graph& graph, const Leaving& leaving) {
   ConditionalMap& map = graph.prior().inactive;
   map.relinearise(graph.prior().active, total_);
   for (const VariableId id : leaving.deactivated) {
-    map.deactivate(graph.variables[id], graph.variables[id].column);
+    Variable& v = graph.variables[id];
+    if (graph.fixed_points()) v.keep_point();  // the prior may have touched it in this call only
+    map.deactivate(v, v.column);
   }
   const Triangularise::Staircase rows = triangularise_(*A_, sorted_starts_, gone_, total_);
   update_map(graph, leaving, rows);

@@ -11,6 +11,12 @@ constexpr double kDampingFactor = 10.0;
 constexpr int kTries = 8;
 constexpr double kRounding = 1e-9;  // a cost that is higher by less is not higher
 
+// By how much a step may raise the cost. With fixed points the solution of the equations is not
+// quite the minimum of the cost: on the way there it may rise by what would not be worth a step.
+double allowed_rise(const Graph& graph, double cost_tolerance) {
+  return graph.fixed_points() ? cost_tolerance : kRounding;
+}
+
 void clear_step(Graph& graph) {
   graph.variables.for_each([](Variable& v) { v.step.setZero(v.dim()); });
   for (GraphLandmark& landmark : graph.landmarks) {
@@ -20,10 +26,9 @@ void clear_step(Graph& graph) {
 
 }  // namespace
 
-// A step that does not raise the cost; none when there is none.
-bool Optimiser::find_step(Graph& graph, const GraphCamera& camera, double cost, bool is_last,
+// A step that costs `most` at most; none when there is none.
+bool Optimiser::find_step(Graph& graph, const GraphCamera& camera, double most, bool is_last,
                           double& damping) {
-  const double most = cost + kRounding;
   if (damping > 0.0) {
     damped_.factorise(graph, camera, damping);
     damped_.solve(graph);
@@ -47,8 +52,9 @@ void Optimiser::operator()(Graph& graph, const GraphCamera& camera, int iteratio
     equations_.factorise(graph, camera);
     equations_.solve(graph);
     bool last = i >= iterations || graph.predicted_decrease() < cost_tolerance;
-    if (iterations > 1 && !graph.fixed_points()) {
-      last = !find_step(graph, camera, before, last, damping) || last;
+    if (iterations > 1 && rule_ == StepRule::kDescent) {
+      const double most = before + allowed_rise(graph, cost_tolerance);
+      last = !find_step(graph, camera, most, last, damping) || last;
       damping = damping > kFirstDamping ? damping / kDampingFactor : 0.0;
     }
     graph.retract();

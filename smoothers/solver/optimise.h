@@ -5,16 +5,21 @@
 
 namespace slammot {
 
+// Steps that raise the cost are refused | every step is taken, since the Jacobians are those of the
+// truth: what is learnt must not depend on the measurements.
+enum class StepRule { kDescent, kEvery };
+
 class Optimiser {
  public:
+  explicit Optimiser(StepRule rule = StepRule::kDescent) : rule_(rule) {}
+
   // Minimises the graph's cost from the current estimate, with at most `iterations` linearisations
   // (>= 1). It ends with the step whose predicted decrease is below `cost_tolerance`, in units of
   // chi-square: 1e-2 is a tenth of a standard deviation.
   //
   // A step of Gauss-Newton that raises the cost is not taken but tried again with more damping
-  // (Marquardt 1963). Two steps are taken whatever the cost says: a single iteration, as in an EKF,
-  // and one whose Jacobians are not those of the cost (fixed points), because then the equations
-  // are solved, not the cost minimised. Throws Diverged as NormalEquations does.
+  // (Marquardt 1963). A single iteration is taken whatever the cost says, as in an EKF, and so are
+  // all steps with StepRule::kEvery. Throws Diverged as NormalEquations does.
   void operator()(Graph& graph, const GraphCamera& camera, int iterations, double cost_tolerance);
 
   // One step from the stored linearisation.
@@ -25,9 +30,10 @@ class Optimiser {
   NormalEquations& equations() { return equations_; }
 
  private:
-  bool find_step(Graph& graph, const GraphCamera& camera, double cost, bool is_last,
+  bool find_step(Graph& graph, const GraphCamera& camera, double most, bool is_last,
                  double& damping);
 
+  StepRule rule_;
   NormalEquations equations_, damped_;
 };
 

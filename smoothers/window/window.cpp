@@ -34,6 +34,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
              fixed_points(options.linearisation)),
       cameras_(graph_, truth_of(setup, options)),
       truth_(truth_of(setup, options), graph_, cameras_),
+      optimiser_(truth_ ? StepRule::kEvery : StepRule::kDescent),
       histories_(histories) {
   if (options.solver == WindowSolver::kCeres && graph_.fixed_points()) {
     throw std::invalid_argument(

@@ -69,6 +69,20 @@ TEST_P(FirstEstimates, JacobiansBesideThePriorStay) {
   EXPECT_EQ(at.at.J_pose, expected.J_pose);
 }
 
+// What the prior touches and deactivates in one call is no exception, nor when it returns.
+TEST_P(FirstEstimates, ADeactivatedVariableKeepsItsPoint) {
+  const VariableId y = graph[Scene::kBrief].y;
+  const SmallVector first = graph.variables[y].value;
+  Leaving leaving = scene.oldest_leaves();
+  leaving.deactivated = {y};
+  scene.marginalise(leaving);
+  scene.move(3.0);
+  graph.reactivate({y});
+  EXPECT_NE(graph.variables[y].value, first);
+  EXPECT_EQ(graph.variables[y].linearisation_point.has_value(), are_fixed());
+  EXPECT_EQ(graph.variables[y].point() == first, are_fixed());
+}
+
 TEST_P(FirstEstimates, StepsAndMarginalsAreThoseOfTheStoredRows) {
   for (int i = 0; i < 2; ++i) {
     scene.marginalise(scene.oldest_leaves());

@@ -41,6 +41,31 @@ TEST(WindowLinearisation, EachIsAnother) {
   EXPECT_GT(relative_difference(fej, ideal), 1e-3);
 }
 
+// Where nothing is known beforehand but the first camera, the first steps are long. Undamped, they
+// sent landmarks behind the camera, and all four runs ended before frame 30.
+TEST(WindowLinearisation, FirstEstimatesDampTheirStepsToo) {
+  for (const unsigned seed : {1u, 2u}) {
+    for (const double rho : {0.0, 0.1}) {
+      const Sequence sequence =
+          simulate("circle", {{"frames", "30"}, {"known", "0"}, {"noise", "0.2"}}, seed);
+      Configuration configuration;
+      assign(configuration, {"window.linearisation", "fej"});
+      assign(configuration, {"window.frames", "10"});
+      if (rho > 0.0) {  // two kinds of prior: the sequence's, and one of 5 m to infinity
+        for (const char* key :
+             {"prior.inverse_depth", "prior.inverse_depth_sigma", "prior.mean_sigma"}) {
+          assign(configuration, {key, std::to_string(rho)});
+        }
+      }
+      const RunResult run = run_estimator(sequence, configuration, "window");
+      EXPECT_FALSE(run.diverged) << "seed " << seed;
+      ASSERT_EQ(run.filtered.size(), sequence.frames.size()) << "seed " << seed;
+      const Eigen::Vector3d& last = run.filtered.back().state.position;
+      EXPECT_LT((last - sequence.truth.back()->position).norm(), 1.0) << "seed " << seed;
+    }
+  }
+}
+
 TEST(WindowLinearisation, IdealNeedsTheTruth) {
   Sequence sequence = simulate("model_matched", {{"frames", "3"}}, 1);
   Configuration configuration;
