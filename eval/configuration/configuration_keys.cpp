@@ -243,6 +243,8 @@ std::vector<ConfigurationKey> estimator_keys() {
       option<WindowSolver>("window.solver", "who minimises; ceres: to convergence, and slowly",
                            {{"own", WindowSolver::kOwn}, {"ceres", WindowSolver::kCeres}},
                            SLAMMOT_FIELD(window.solver)),
+      flag("window.retest", "what is in the window meets the gate again in every frame",
+           SLAMMOT_FIELD(window.retest)),
       option<Loss>("window.loss", "on the measurements",
                    {{"none", Loss::kNone}, {"huber", Loss::kHuber}}, SLAMMOT_FIELD(window.loss)),
   };

@@ -44,6 +44,11 @@ class LandmarkBlock {
   int steps() const { return steps_; }              // of the chain
   void newest(Eigen::Ref<Eigen::MatrixXd> E, LandmarkMatrix& covariance) const;
 
+  // Of one pixel, by its place: (P J)' over the core, core x 2, its own block of P, and P times the
+  // residuals as they are with the core at the linearisation. [given_others.cpp]
+  void weigh_pixel(int pixel, Eigen::Ref<Eigen::MatrixXd> B, Eigen::Matrix2d& own) const;
+  Eigen::Vector2d weighed_residual(int pixel) const { return e_.segment<2>(2 * pixel); }
+
  private:
   // Columns that all rows may touch: the anchor, the scene, and states that are in the core.
   struct Shared {

@@ -47,6 +47,11 @@ class NormalEquations {
   int steps(LandmarkId id) const { return blocks_[static_cast<std::size_t>(id)].steps(); }
   int state_dim(const Graph& graph, LandmarkId id) const;
 
+  // For questions of other kinds: C := L^-1 C, so that C'C is the covariance of C' core.
+  int core_dim() const { return core_dim_; }
+  void whiten(Eigen::Ref<Eigen::MatrixXd> C) const;
+  const LandmarkBlock& block(LandmarkId id) const { return blocks_[static_cast<std::size_t>(id)]; }
+
  private:
   struct Joint {
     bool known = false;

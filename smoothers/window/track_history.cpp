@@ -1,5 +1,7 @@
 #include "smoothers/window/track_history.h"
 
+#include <algorithm>
+
 namespace slammot {
 
 void TrackHistories::begin(int track, int frame, bool known) {
@@ -9,7 +11,14 @@ void TrackHistories::begin(int track, int frame, bool known) {
 }
 
 void TrackHistories::measured(int track, int frame, const Eigen::Vector2d& pixel) {
-  open_.at(track).pixels.emplace_back(frame, pixel);
+  auto& pixels = open_.at(track).pixels;
+  const auto later =
+      std::ranges::find_if(pixels, [&](const auto& other) { return other.first > frame; });
+  pixels.emplace(later, frame, pixel);
+}
+
+void TrackHistories::let_go(int track, int frame) {
+  std::erase_if(open_.at(track).pixels, [&](const auto& other) { return other.first == frame; });
 }
 
 void TrackHistories::passed(int track, std::span<const LandmarkVector> states) {

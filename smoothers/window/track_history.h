@@ -28,6 +28,7 @@ class TrackHistories {
  public:
   void begin(int track, int frame, bool known);
   void measured(int track, int frame, const Eigen::Vector2d& pixel);
+  void let_go(int track, int frame);  // a measurement that turned out to be wrong
   // The next states of a free landmark, as they leave the window or it becomes static.
   void passed(int track, std::span<const LandmarkVector> states);
   // It was static up to the frame before `frame`, in this state (y, 0).

@@ -35,7 +35,8 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       cameras_(graph_, truth_of(setup, options)),
       truth_(truth_of(setup, options), graph_, cameras_),
       optimiser_(truth_ ? StepRule::kEvery : StepRule::kDescent),
-      histories_(histories) {
+      histories_(histories),
+      gate_(models.gate_probability, setup.pixel_sigma) {
   if (options.solver == WindowSolver::kCeres && graph_.fixed_points()) {
     throw std::invalid_argument(
         "window.solver ceres minimises the cost: it needs window.linearisation standard");
@@ -81,6 +82,9 @@ void Window::innovations(std::span<const Observation> measured,
   for (const Observation& z : measured) {
     if (const auto found = innovation(z)) result.push_back(*found);
   }
+  if (!options_.retest) return;
+  gated_.clear();
+  for (const PixelInnovation& innovation : result) gated_.push_back(innovation.z);
 }
 
 std::optional<PixelInnovation> Window::innovation(const Observation& z) const {
@@ -139,6 +143,10 @@ void Window::update(const TrackRecords& /*records*/, std::span<const Observation
   }
   refresh_noises();
   solve();
+  if (options_.retest) {
+    note_refused(accepted);
+    if (retest()) solve();
+  }
   estimate_camera();
 }
 
@@ -204,6 +212,7 @@ void Window::collapse(std::span<const int> tracks) {
       truth_.apply(landmark);
     } else {
       landmark.drops = true;
+      forget_refused(track);  // they are of its time as a free landmark
     }
   }
   if (!condition_) return;
@@ -245,6 +254,7 @@ void Window::remove(std::span<const int> tracks, const TrackRecords& records) {
       }
       pruned_.push_back(landmark);
     }
+    forget_refused(track);
     landmarks_.erase(track);
   }
 }

@@ -8,6 +8,8 @@
 #pragma once
 
 #include "estimation/belief.h"
+#include "estimation/gate.h"
+#include "smoothers/solver/given_others.h"
 #include "smoothers/solver/marginalise.h"
 #include "smoothers/solver/optimise.h"
 #include "smoothers/window/track_history.h"
@@ -51,6 +53,11 @@ class Window final : public Belief {
 
   // Every camera so far, oldest first: as it left, or as it is in the window.
   std::vector<CameraState> all_cameras() const;
+  const Graph& graph() const { return graph_; }
+
+  // Of all frames so far, with `window.retest`.
+  const RetestCounts& retest_counts() const { return retest_counts_; }
+
   // Tells the histories of the landmarks that are still there.
   void end_histories(const TrackRecords& records) const;
 
@@ -68,6 +75,16 @@ class Window final : public Belief {
   // window_landmarks.cpp: chains.
   void extend(WindowLandmark& landmark, double dt);
   void end_chain(WindowLandmark& landmark);
+
+  // window_retest.cpp
+  void note_refused(std::span<const Observation> accepted);
+  void forget_refused(int track);
+  bool retest();  // whether anything was let go or admitted
+  void retest_held(const WindowLandmark& landmark);
+  void retest_refused(const RefusedPixel& z);
+  int insert_pixel(GraphLandmark& l, const WindowLandmark& landmark, const RefusedPixel& z) const;
+  void let_go(const RetestedPixel& z);
+  void admit(const RetestedPixel& z);
 
   WindowLandmark& insert(int track, VariableId anchor, const Eigen::Vector3d& y);
   void solve();
@@ -97,6 +114,14 @@ class Window final : public Belief {
   mutable Optimiser optimiser_;  // with the factorisation of the newest update or collapse
   Marginaliser marginaliser_;
   TrackHistories* histories_;
+
+  // With `window.retest`.
+  PixelGate gate_;
+  GivenOthers given_others_;
+  std::vector<Observation> gated_;     // of the frame in hand
+  std::vector<RefusedPixel> refused_;  // in the window, of landmarks that are there
+  std::vector<RetestedPixel> retested_;
+  RetestCounts retest_counts_;
 
   // The newest camera given the one that the factorisation knows as newest.
   Matrix12d F_ = Matrix12d::Identity(), Q_ = Matrix12d::Zero();

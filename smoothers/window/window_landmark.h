@@ -14,4 +14,23 @@ struct WindowLandmark {
   bool drops = false;  // it has become static: w is marginalised before the next update
 };
 
+// A measurement in the window that its landmark does not use, for `window.retest`.
+struct RefusedPixel {
+  int track = 0;
+  VariableId position = 0;  // of the frame's camera
+  Eigen::Vector2d pixel;
+};
+
+struct RetestedPixel {
+  LandmarkId landmark = 0;
+  RefusedPixel at;
+  bool is_held = true;  // else refused so far
+  double nis = 0.0;     // given all others
+};
+
+struct RetestCounts {
+  int let_go = 0, admitted = 0;
+  bool operator==(const RetestCounts&) const = default;
+};
+
 }  // namespace slammot

@@ -18,6 +18,7 @@ struct WindowOptions {
   WindowLinearisation linearisation = WindowLinearisation::kStandard;
   Loss loss = Loss::kNone;
   WindowSolver solver = WindowSolver::kOwn;
+  bool retest = false;  // measurements in the window meet the gate again in every frame
 };
 
 }  // namespace slammot
