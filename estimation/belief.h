@@ -42,6 +42,10 @@ class Belief {
  public:
   virtual ~Belief() = default;
 
+  // Before predict(): landmarks that the belief can keep no longer. They are removed before the
+  // frame's measurements are used, so that a track that is still measured begins anew.
+  virtual void leaving(std::vector<int>& tracks) { tracks.clear(); }
+
   // The time update, thesis 2.1.1 and (2.5), by `dt` [s] since the frame before (0: the first
   // frame).
   virtual void predict(const Frame& frame, double dt) = 0;

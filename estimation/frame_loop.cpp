@@ -13,6 +13,7 @@ FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, std::unique
 FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
   FrameReport report;
   stages.begin("predict");
+  manager_.retire_leaving(*belief_, report);
   belief_->predict(frame, time_since_last(frame));
   manager_.add_known(frame, *belief_, report);
 

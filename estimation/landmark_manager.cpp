@@ -17,6 +17,22 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
   for (const KnownLandmark& known : setup.known) known_[known.track] = known;
 }
 
+// What was learnt of where it is leaves with the landmark; that it moves, or does not, is still
+// true.
+void LandmarkManager::retire_leaving(Belief& belief, FrameReport& report) {
+  belief.leaving(tracks_);
+  for (const int track : tracks_) labels_left_[track] = records_.at(track).label;
+  remove(belief, report);
+}
+
+void LandmarkManager::remove(Belief& belief, FrameReport& report) {
+  if (tracks_.empty()) return;
+  const std::vector<LandmarkEstimate> removed = estimates(tracks_, belief);
+  report.retired.insert(report.retired.end(), removed.begin(), removed.end());
+  belief.remove(tracks_, records_);
+  for (const int track : tracks_) records_.erase(track);
+}
+
 // Before the update, so that their first pixel counts as well. What was stated counts once: a known
 // landmark that was pruned starts anew as an unknown one.
 void LandmarkManager::add_known(const Frame& frame, Belief& belief, FrameReport& report) {
@@ -115,10 +131,13 @@ void LandmarkManager::prune(int frame, Belief& belief, FrameReport& report) {
     if (record.unused_frames > 0) note_unused(record, expected_in_view(frame, camera, point));
     if (is_pruned(record, models_.policy)) tracks_.push_back(point.track);
   }
-  if (tracks_.empty()) return;
-  report.retired = estimates(tracks_, belief);
-  belief.remove(tracks_, records_);
-  for (const int track : tracks_) records_.erase(track);
+  for (const int track : tracks_) labels_left_.erase(track);
+  remove(belief, report);
+}
+
+Label LandmarkManager::label_at_birth(int track, bool first_frame) const {
+  const auto left = labels_left_.find(track);
+  return left != labels_left_.end() ? left->second : classifier_->at_birth(track, first_frame);
 }
 
 // Thesis 2.1.3: undelayed, at the first pixel.
@@ -132,7 +151,7 @@ void LandmarkManager::initialise_new(const Frame& frame, Belief& belief, FrameRe
   const auto room = room_for(static_cast<int>(records_.size()), report.accepted, models_.policy);
   if (unmatched_.size() > room) unmatched_.resize(room);
   for (const Observation& z : unmatched_) {
-    const Label label = classifier_->at_birth(z.track, first_frame);
+    const Label label = label_at_birth(z.track, first_frame);
     if (!belief.add(z, prior, label != Label::kStatic)) continue;
     records_[z.track] = initialised(z.track, frame.index, label, first_frame, prior);
     ++report.admitted;

@@ -22,6 +22,7 @@ class LandmarkManager {
   bool knows(int track) const { return records_.contains(track); }
 
   // In the order of the frame (frame_loop.cpp). `report` counts what happened.
+  void retire_leaving(Belief& belief, FrameReport& report);
   void add_known(const Frame& frame, Belief& belief, FrameReport& report);
   void record(int frame, std::span<const Observation> accepted,
               std::span<const LeaveOneOut> rejected, std::span<const int> out_of_view);
@@ -39,6 +40,8 @@ class LandmarkManager {
   std::vector<LandmarkEstimate> estimates(std::span<const int> tracks, const Belief& belief) const;
 
  private:
+  void remove(Belief& belief, FrameReport& report);  // tracks_
+  Label label_at_birth(int track, bool first_frame) const;
   bool expected_in_view(int frame, const CameraState& camera, const LandmarkPoint& point) const;
 
   Setup setup_;
@@ -50,6 +53,7 @@ class LandmarkManager {
   std::map<int, KnownLandmark> known_;  // stated, not measured yet
   std::optional<int> first_frame_;
   TrackRecords records_;
+  std::map<int, Label> labels_left_;  // of landmarks that the belief could not keep
 
   // Of the frame in hand; kept for their memory.
   std::vector<int> tracks_, now_static_;

@@ -243,6 +243,12 @@ std::vector<ConfigurationKey> estimator_keys() {
       option<WindowSolver>("window.solver", "who minimises; ceres: to convergence, and slowly",
                            {{"own", WindowSolver::kOwn}, {"ceres", WindowSolver::kCeres}},
                            SLAMMOT_FIELD(window.solver)),
+      option<WindowPrior>(
+          "window.prior",
+          "what is known of a landmark when its first frame leaves is kept, or only "
+          "what it says of the cameras",
+          {{"landmarks", WindowPrior::kLandmarks}, {"cameras", WindowPrior::kCameras}},
+          SLAMMOT_FIELD(window.prior)),
       flag("window.retest", "what is in the window meets the gate again in every frame",
            SLAMMOT_FIELD(window.retest)),
       option<Loss>("window.loss", "on the measurements",

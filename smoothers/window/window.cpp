@@ -41,7 +41,21 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
     throw std::invalid_argument(
         "window.solver ceres minimises the cost: it needs window.linearisation standard");
   }
+  if (options.prior == WindowPrior::kCameras && !condition_) {
+    throw std::invalid_argument(
+        "window.prior cameras needs collapse condition: drop keeps landmarks in the prior");
+  }
   if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);
+}
+
+// With `window.prior=cameras` those that were born in the frame that is about to leave.
+void Window::leaving(std::vector<int>& tracks) {
+  tracks.clear();
+  const bool is_full = std::ssize(cameras_.frames()) == options_.frames;
+  if (options_.prior != WindowPrior::kCameras || !is_full) return;
+  for (const auto& [track, landmark] : landmarks_) {
+    if (graph_[landmark.id].anchor == cameras_.oldest().camera.position) tracks.push_back(track);
+  }
 }
 
 // Thesis 2.1.1 and (2.5): the new camera enters at its prediction, with its motion factor, and the

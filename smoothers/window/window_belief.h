@@ -31,6 +31,7 @@ class Window final : public Belief {
   Window(const Window&) = delete;  // its parts refer to its graph
   Window& operator=(const Window&) = delete;
 
+  void leaving(std::vector<int>& tracks) override;
   void predict(const Frame& frame, double dt) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured,

@@ -63,6 +63,10 @@ void Window::depart(const WindowLandmark& landmark, const WindowFrame* oldest, b
   if (is_pruned && is_based && (!landmark.is_free || l.steps() == 0)) {
     d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
   }
+  if (options_.prior == WindowPrior::kCameras && oldest && l.anchor == oldest->camera.position) {
+    d.steps = l.steps();
+    d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
+  }
   const VariableId position = oldest ? oldest->camera.position : -1;
   const bool is_measured = std::ranges::any_of(
       l.pixels, [&](const GraphPixel& pixel) { return pixel.position == position; });

@@ -11,6 +11,9 @@ enum class Loss { kNone, kHuber };  // on the normalised measurement residual
 // Who minimises: our Gauss-Newton | ceres::Solve, on the same factors, to convergence.
 enum class WindowSolver { kOwn, kCeres };
 
+// What the prior keeps of landmarks whose oldest frame leaves: all | nothing, they leave with it.
+enum class WindowPrior { kLandmarks, kCameras };
+
 struct WindowOptions {
   int frames = 20;      // camera states kept; older ones are marginalised
   int iterations = 20;  // Gauss-Newton steps a frame at most; 1 and one frame make it the EKF
@@ -18,6 +21,7 @@ struct WindowOptions {
   WindowLinearisation linearisation = WindowLinearisation::kStandard;
   Loss loss = Loss::kNone;
   WindowSolver solver = WindowSolver::kOwn;
+  WindowPrior prior = WindowPrior::kLandmarks;
   bool retest = false;  // measurements in the window meet the gate again in every frame
 };
 
