@@ -22,6 +22,11 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 
 include(GNUInstallDirs)
 
+# Where a program looks for the module of image codecs: beside itself, and where it is installed.
+file(RELATIVE_PATH SLAMMOT_BIN_TO_LIB ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
+set(CMAKE_BUILD_RPATH "$ORIGIN")
+set(CMAKE_INSTALL_RPATH "$ORIGIN/${SLAMMOT_BIN_TO_LIB}")
+
 function(slammot_compile_options target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow)
   if(SLAMMOT_WARNINGS_AS_ERRORS)
@@ -29,7 +34,9 @@ function(slammot_compile_options target)
   endif()
   if(SLAMMOT_SANITIZE)
     target_compile_options(${target} PUBLIC -fsanitize=${SLAMMOT_SANITIZE} -fno-omit-frame-pointer)
-    target_link_options(${target} PUBLIC -fsanitize=${SLAMMOT_SANITIZE})
+    # The sanitizers call dlopen in our place, and their libraries see a program's path only if it is
+    # an old-style one.
+    target_link_options(${target} PUBLIC -fsanitize=${SLAMMOT_SANITIZE} LINKER:--disable-new-dtags)
   endif()
 endfunction()
 

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string_view>
 
 #include "datasets/sequence/sequence.h"
 #include "datasets/text/text_table.h"
+#include "frontend/codecs/codecs.h"
 
 namespace slammot {
 namespace {
@@ -36,9 +36,7 @@ cv::Mat decode_image(const std::filesystem::path& file) {
   if (is_truncated(bytes)) throw InputError(file, 0, "the image is truncated");
   cv::Mat image;
   try {
-    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U,
-                         const_cast<char*>(bytes.data()));  // only read
-    image = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+    image = codecs().decode(bytes);
     if (!image.empty() && image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2BGR);
   } catch (const cv::Exception&) {
     image.release();

@@ -18,6 +18,7 @@ MAY_KNOW = {
     "smoothers": {"smoothers", "estimation", "models"},
     "datasets": {"datasets", "models"},
     "frontend": {"frontend", "datasets", "estimation", "models"},
+    "codecs": {"codecs", "frontend"},
     "eval": {"eval", "datasets", "estimation", "models"},
     "apps": {"apps", "eval", "frontend", "datasets", "estimation", "models"},
 }
@@ -32,7 +33,7 @@ EXCEPTIONS = {
 # Libraries that only some folders may know.
 LIBRARIES = {
     "ceres/": {"smoothers"},
-    "opencv2/": {"frontend"},
+    "opencv2/": {"frontend", "codecs"},
 }
 
 MOST_FILES = 20  # .h, .cpp and .py of one folder

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <opencv2/core.hpp>
-#include <opencv2/videoio.hpp>
+
+#include "frontend/codecs/codecs.h"
 
 namespace slammot {
 
@@ -21,7 +23,7 @@ class Film {
   double rate_;  // [Hz]
   int stride_;
   int added_ = 0;
-  cv::VideoWriter video_;
+  std::unique_ptr<Video> video_;
 };
 
 }  // namespace slammot

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 
 #include "datasets/native/native_format.h"
 #include "datasets/native/native_writer.h"
@@ -10,6 +9,7 @@
 #include "datasets/simulation/scene/statements.h"
 #include "datasets/text/text_table.h"
 #include "datasets/text/yaml_map.h"
+#include "frontend/codecs/codecs.h"
 #include "frontend/rendering/render.h"
 
 namespace slammot {
@@ -107,10 +107,7 @@ Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
   std::filesystem::create_directories(folder / "images");
   const Room room(options, seed);
   for (int i = 0; i < options.frames; ++i) {
-    const auto file = folder / sequence.images[static_cast<size_t>(i)];
-    if (!cv::imwrite(file.string(), render(room, options, seed, i))) {
-      throw std::runtime_error(file.string() + ": cannot be written");
-    }
+    write_image(folder / sequence.images[static_cast<size_t>(i)], render(room, options, seed, i));
   }
   return sequence;
 }

@@ -3,6 +3,7 @@
 #include <slammot/datasets/sequence/sequence.h>
 #include <slammot/eval/configuration/registry.h>
 #include <slammot/filters/ekf.h>
+#include <slammot/frontend/codecs/codecs.h>
 #include <slammot/models/camera.h>
 #include <slammot/smoothers/window/window.h>
 
@@ -18,6 +19,7 @@ int main() {
   const slammot::InputError error("frames.csv", 1, "no frames");
   const auto projection = setup.camera.project({0.1, -0.2, 1.0});
   if (!filter || !smoother || slammot::estimator_table().empty() || !projection) return 1;
+  if (!slammot::codecs().decode("no image").empty()) return 1;
   std::printf("pixel %.1f %.1f\n", projection->pixel.x(), projection->pixel.y());
   return 0;
 }

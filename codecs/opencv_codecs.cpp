@@ -1,0 +1,48 @@
+// The module that frontend/codecs/codecs.h describes: OpenCV's image files and films.
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "frontend/codecs/codecs.h"
+
+namespace slammot {
+namespace {
+
+class OpencvVideo : public Video {
+ public:
+  OpencvVideo(const std::filesystem::path& file, double rate, cv::Size size)
+      : writer_(file.string(), cv::VideoWriter::fourcc('m', 'p', '4', 'v'), rate, size) {}
+
+  bool is_open() const { return writer_.isOpened(); }
+  void add(const cv::Mat& picture) override { writer_.write(picture); }
+
+ private:
+  cv::VideoWriter writer_;
+};
+
+class OpencvCodecs : public Codecs {
+ public:
+  cv::Mat decode(const std::string& bytes) const override {
+    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U,
+                         const_cast<char*>(bytes.data()));  // only read
+    return cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+  }
+
+  bool write(const std::filesystem::path& file, const cv::Mat& image,
+             int jpeg_quality) const override {
+    return cv::imwrite(file.string(), image, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
+  }
+
+  std::unique_ptr<Video> open_video(const std::filesystem::path& file, double rate,
+                                    cv::Size size) const override {
+    auto video = std::make_unique<OpencvVideo>(file, rate, size);
+    return video->is_open() ? std::move(video) : nullptr;
+  }
+};
+
+}  // namespace
+}  // namespace slammot
+
+extern "C" const slammot::Codecs* slammot_codecs() {
+  static const slammot::OpencvCodecs codecs;
+  return &codecs;
+}
