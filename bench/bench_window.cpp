@@ -1,5 +1,5 @@
-// A frame of the window against one of the EKF on the same data, against its own length, and alone
-// on a static world, where a peer's figures are known.
+// A frame of the window against one of the EKF on the same data, against its own length, and on a
+// static world against its own converged solution.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
