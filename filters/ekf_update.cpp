@@ -32,15 +32,19 @@ std::optional<ObservedPixel> linearised(const JointState& state, const Linearisa
   return there;
 }
 
+void stack_J_pose(Innovation& z) {
+  z.J_pose.resize(z.rows(), 6);
+  for (Index i = 0; i < std::ssize(z.predicted); ++i) {
+    (*z.J_pose).middleRows<2>(2 * i) = z.predicted[static_cast<std::size_t>(i)].J_pose;
+  }
+}
+
 // P H': a measurement touches 6 + 3 + 3 columns of P.
 void fill_P_Ht(const JointState& state, Innovation& z) {
   const JointCovariance& P = state.covariance;
   z.P_Ht.resize(P.size(), z.rows());
   if (z.rows() == 0) return;
-  z.J_pose.resize(z.rows(), 6);
-  for (Index i = 0; i < std::ssize(z.predicted); ++i) {
-    (*z.J_pose).middleRows<2>(2 * i) = z.predicted[static_cast<std::size_t>(i)].J_pose;
-  }
+  stack_J_pose(z);
   z.columns.resize(P.size(), 6);
   P.columns(JointState::kPose, *z.columns);
   auto P_Ht = *z.P_Ht;
@@ -65,15 +69,42 @@ void rows_of_H(const JointState& state, const Innovation& z, std::size_t i, cons
         h.J_y.lazyProduct(x.template middleRows<3>(landmark.y_block.offset));
 }
 
-// The lower triangle of S = H P H' + sigma^2 I.
+// The lower triangle of S = H P H' + sigma^2 I: the camera's part of all matches in one product,
+// then each landmark's.
 void fill_S(const JointState& state, double pixel_variance, Innovation& z) {
   z.S.resize(z.rows(), z.rows());
   auto S = *z.S;
+  const auto P_Ht = *z.P_Ht;
+  stack_J_pose(z);  // some matches may have gone since P H' was filled
+  S.noalias() = *z.J_pose * P_Ht.topRows<6>();
   for (std::size_t i = 0; i < z.matches.size(); ++i) {
+    const ObservedPixel& h = z.predicted[i];
+    const FilterLandmark& landmark = state.landmarks.at(z.matches[i].track);
+    const int anchor = state.anchors.at(landmark.anchor).block.offset;
     const auto row = static_cast<Index>(2 * i);
-    rows_of_H(state, z, i, (*z.P_Ht).leftCols(row + 2), S.block(row, 0, 2, row + 2));
+    for (Index column = 0; column < row + 2; ++column) {
+      S.block<2, 1>(row, column) +=
+          h.J_anchor.lazyProduct(P_Ht.block<3, 1>(anchor, column)) +
+          h.J_y.lazyProduct(P_Ht.block<3, 1>(landmark.y_block.offset, column));
+    }
   }
   S.diagonal().array() += pixel_variance;
+}
+
+// W := W L'^-1, by halves: OpenBLAS's triangular solve with AVX-512 kernels is much slower than its
+// product.
+void solve_on_the_right(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::MatrixXd> W) {
+  const Index half = L.cols() / 2, rest = L.cols() - half;
+  auto first = W.leftCols(half), second = W.rightCols(rest);
+  L.topLeftCorner(half, half)
+      .triangularView<Eigen::Lower>()
+      .transpose()
+      .solveInPlace<Eigen::OnTheRight>(first);
+  second.noalias() -= first * L.bottomLeftCorner(rest, half).transpose();
+  L.bottomRightCorner(rest, rest)
+      .triangularView<Eigen::Lower>()
+      .transpose()
+      .solveInPlace<Eigen::OnTheRight>(second);
 }
 
 // P H' becomes W = P H' L'^-1 with S = L L', so that W W' = P H' S^-1 H P, and dx = W L^-1 nu.
@@ -84,7 +115,7 @@ void solve(Innovation& z) {
   dpotrf_("L", &size, S.data(), &size, &info);
   if (info != 0) throw Diverged("the innovation covariance is not positive definite");
   auto W = *z.P_Ht;
-  S.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(W);
+  solve_on_the_right(S, W);
   auto nu = z.stacked_nu();
   S.triangularView<Eigen::Lower>().solveInPlace(nu);
   z.dx.resize(W.rows(), 1);

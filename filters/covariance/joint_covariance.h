@@ -96,6 +96,8 @@ class JointCovariance {
   // P[:, b] into gathered_; from there back, with P[b, b] as given.
   void gather(std::initializer_list<StateBlock> b);
   void scatter(std::initializer_list<StateBlock> b, const Block& own);
+  // P[b, b] := P[b, b] - W_b W_b'.
+  void subtract_outer(StateBlock b, Eigen::Ref<const Eigen::MatrixXd> W);
 
   Eigen::MatrixXd storage_;
   int size_ = 0;
