@@ -65,7 +65,7 @@ void static_window(benchmark::State& state) {
   Configuration converged =
       configuration;  // what any smoother of this model and graph converges to
   converged.window.iterations = 50;
-  converged.window.cost_tolerance = 1e-16;
+  converged.window.linearisation_error = 1e-8;
   for (auto _ : state) {
     const FrameTimes times =
         time_frames(corridor.setup, corridor.frames, "window", configuration, kWarm);

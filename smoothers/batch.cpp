@@ -198,9 +198,12 @@ LandmarkEstimate Batch::estimate(const BatchLandmark& landmark,
   LandmarkBelief belief;
   belief.anchor = graph_.value(l.anchor);
   belief.y = x.head<3>();
-  belief.w = x.tail(x.size() - 3);
+  // One that moved once has a chain, but a static one has no velocity to tell.
+  const bool is_static = landmark.history.record.label == Label::kStatic;
+  const Eigen::Index motion = is_static ? 0 : x.size() - 3;
+  belief.w = x.tail(x.size() - 3).head(motion);
   const JointMatrix& P = equations.joint(landmark.id);
-  belief.covariance = P.bottomRightCorner(3 + x.size(), 3 + x.size());
+  belief.covariance = P.block(kCameraDim, kCameraDim, 6 + motion, 6 + motion);
   LandmarkEstimate estimate = landmark_estimate(functions_, landmark.history.record, belief);
   if (l.is_free())
     estimate.state_frame = landmark.history.record.last_frame;  // where its chain ends

@@ -9,11 +9,13 @@ namespace {
 
 Key camera_key(int frame) { return gtsam::Symbol('x', static_cast<std::uint64_t>(frame)); }
 
-// GTSAM's error is half of chi-square.
+// GTSAM's own rule: it ends when a step has lowered chi-square by less. Its error is half of that.
+constexpr double kDecrease = 1e-2;
+
 gtsam::LevenbergMarquardtParams parameters(const WindowOptions& options) {
   gtsam::LevenbergMarquardtParams parameters;
   parameters.setRelativeErrorTol(0.0);
-  parameters.setAbsoluteErrorTol(0.5 * options.cost_tolerance);
+  parameters.setAbsoluteErrorTol(0.5 * kDecrease);
   parameters.setMaxIterations(options.iterations);
   return parameters;
 }

@@ -11,7 +11,6 @@ struct Renamed {
 constexpr Renamed kKeys[] = {
     {"policy.lost_after", "policy.prune_after"},
     {"policy.missed_after", "policy.prune_missed_after"},
-    {"window.negligible", "window.cost_tolerance"},
 };
 
 // Values, with their key.

@@ -51,8 +51,10 @@ void ConditionalMap::fold() {
     place = {true, row};
   }
   of_stem.conservativeResizeLike(Eigen::MatrixXd::Zero(far_.mean.size(), stem));
-  far_.mean(far_rows) = near_.mean(near_rows);
-  far_.K(far_rows, Eigen::all) = near_.K(near_rows, Eigen::all);
+  for (std::size_t i = 0; i < far_rows.size(); ++i) {
+    far_.mean(far_rows[i]) = near_.mean(near_rows[i]);
+    far_.K.row(far_rows[i]) = near_.K.row(near_rows[i]);
+  }
   Eigen::MatrixXd cross = Eigen::MatrixXd::Zero(std::ssize(near_rows), far_.mean.size());
   if (stem > 0) cross.noalias() += near_.covariance(near_rows, stem_) * of_stem.transpose();
   cross(Eigen::all, far_rows) = near_.covariance(near_rows, near_rows);

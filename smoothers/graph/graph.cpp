@@ -141,7 +141,7 @@ LandmarkVector Graph::newest_state(const GraphLandmark& l) const {
   if (!l.is_free()) return value(l.y);
   LandmarkVector x = landmark_state(variables[l.y].value, variables[l.w].value);
   for (const ChainStep& step : l.chain) {
-    x = models_.landmark->predict(x, step.dt) + step.G * step.noise;
+    x = models_.landmark->predict(x, step.dt) + step.G.lazyProduct(step.noise);
   }
   return x;
 }
@@ -161,11 +161,11 @@ double Graph::refresh_noises(GraphLandmark& l) {
   LandmarkVector before = landmark_state(variables[l.y].value, variables[l.w].value);
   LandmarkVector x = before;
   for (ChainStep& step : l.chain) {
-    before = models_.landmark->predict(before, step.dt) + step.G * step.noise;
+    before = models_.landmark->predict(before, step.dt) + step.G.lazyProduct(step.noise);
     x = models_.landmark->predict(x, step.dt);
     step.G = models_.landmark->noise_root(x, models_.prior, step.dt);
     const LandmarkVector noise = least_noise(step.G, before - x);
-    x += step.G * noise;
+    x += step.G.lazyProduct(noise);
     change = std::max(change, (noise - step.noise).cwiseAbs().maxCoeff());
     step.noise = noise;
   }

@@ -50,6 +50,25 @@ struct GraphModels {
 inline constexpr double kNegligibleNoise = 1e-7;
 inline constexpr int kMaxRefreshes = 20;
 
+// A step, judged at where it leads.
+struct StepOutcome {
+  double square = 0.0;        // sum of squares; a pixel that is no longer valid costs very much
+  double error_square = 0.0;  // |r(x [+] dx) - (r + J dx)|^2 of the residuals that are not linear
+  int residuals = 0;          // how many these are
+
+  double cost() const { return 0.5 * square; }
+  // Their root mean square [sigma]: how far the linearised problem is from the true one.
+  double linearisation_error() const;
+  // What it would cost if every such residual were off by `error`.
+  double cost_of(double error) const { return 0.5 * residuals * error * error; }
+
+  template <typename Residual, typename Linear>
+  void add(const Residual& r, const Linear& linear) {
+    error_square += (r - linear).squaredNorm();
+    residuals += static_cast<int>(r.size());
+  }
+};
+
 class Graph {
  public:
   // `fixed_points`: Jacobians of variables that the prior holds stay where they were then, and
@@ -102,11 +121,8 @@ class Graph {
   double linearise();
   double linearise(GraphLandmark& landmark);
 
-  // The same sum at x [+] step, where a pixel that is no longer valid costs very much.
-  double cost_after_step();
-
-  // -r'J step: by how much an undamped step lowers chi-square of the linearised problem.
-  double predicted_decrease() const;
+  // What is true at x [+] step. Nothing is changed but Variable::candidate.
+  StepOutcome try_step();
 
   // x := x [+] step, prior untouched. Stored linearisations are carried along: r += J dx, and J is
   // expressed in the tangent space at the new estimate.
@@ -130,7 +146,9 @@ class Graph {
   double linearise_pixel(GraphPixel& pixel, const GraphLandmark& landmark, const Eigen::Vector3d& y,
                          const Eigen::Vector3d& y_point);
   double linearise_birth(GraphLandmark& landmark);
-  double landmark_cost_after_step(const GraphLandmark& landmark) const;
+  void try_step(const GraphLandmark& landmark, StepOutcome& outcome) const;
+  void try_step(const GraphPixel& pixel, const GraphLandmark& landmark, const Eigen::Vector3d& y,
+                const LandmarkVector& dx, StepOutcome& outcome) const;
   void retract(GraphLandmark& landmark);
 
   GraphModels models_;

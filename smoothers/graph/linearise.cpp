@@ -44,7 +44,7 @@ void Graph::linearise_chain(GraphLandmark& l) {
                              : LandmarkVector{};
   for (ChainStep& step : l.chain) {
     step.F = model.predict_jacobian(fixed_points_ ? point : x, step.dt);
-    x = model.predict(x, step.dt) + step.G * step.noise;
+    x = model.predict(x, step.dt) + step.G.lazyProduct(step.noise);
     step.x = x;
     if (!fixed_points_) continue;
     point = model.predict(point, step.dt) + step.G * step.noise_point.value_or(step.noise);

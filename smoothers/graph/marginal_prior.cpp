@@ -5,31 +5,43 @@
 
 namespace slammot {
 
+namespace {
+
+// A := A T, and A := T' A, where T is 3 x 3.
+void turn_columns(Eigen::Ref<Eigen::MatrixXd> A, const Eigen::Matrix3d& T) {
+  for (Eigen::Index i = 0; i < A.rows(); ++i) {
+    const Eigen::RowVector3d row = A.row(i).head<3>() * T;
+    A.row(i) = row;
+  }
+}
+void turn_rows(Eigen::Ref<Eigen::MatrixXd> A, const Eigen::Matrix3d& T) {
+  for (Eigen::Index j = 0; j < A.cols(); ++j) {
+    const Eigen::Vector3d column = T.transpose() * A.col(j).head<3>();
+    A.col(j) = column;
+  }
+}
+
+}  // namespace
+
 const MarginalPrior::Block* MarginalPrior::find(VariableId id) const {
   const auto found = std::find_if(blocks_.begin(), blocks_.end(),
                                   [&](const Block& b) { return b.variable->id == id; });
   return found == blocks_.end() ? nullptr : &*found;
 }
 
-void MarginalPrior::difference(Field b, Eigen::VectorXd& d) const {
-  d.resize(cols_);
+const Eigen::VectorXd& MarginalPrior::difference(Field b) const {
+  difference_.resize(cols_);
   for (const Block& block : blocks_) {
     const Variable& v = *block.variable;
-    d.segment(block.offset, v.dim()) = minus(v.is_orientation, v.*b, block.x0);
+    difference_.segment(block.offset, v.dim()) = minus(v.is_orientation, v.*b, block.x0);
   }
-}
-
-Eigen::VectorXd MarginalPrior::difference(Field b) const {
-  Eigen::VectorXd d;
-  difference(b, d);
-  return d;
+  return difference_;
 }
 
 double MarginalPrior::square(Field b) const {
   if (cols_ == 0) return 0.0;
-  difference(b, difference_);
   residual_ = r_;
-  residual_.noalias() += *R_ * difference_;
+  residual_.noalias() += *R_ * difference(b);
   return residual_.squaredNorm();
 }
 
@@ -41,23 +53,11 @@ Eigen::MatrixXd MarginalPrior::jacobian() const {
   return J;
 }
 
-double MarginalPrior::slope() const {
-  if (cols_ == 0) return 0.0;
-  square();
-  for (const Block& block : blocks_) {
-    auto d = difference_.segment(block.offset, block.dim());
-    d = block.variable->step;
-    if (turns(block)) d = (slammot::transport(block.variable->value, block.x0) * d).eval();
-  }
-  gradient_.noalias() = (*R_).transpose() * residual_;
-  return gradient_.dot(difference_);
-}
-
 void MarginalPrior::transport(Eigen::Ref<Eigen::MatrixXd> A) const {
   for (const Block& block : blocks_) {
     if (!turns(block)) continue;
-    auto columns = A.middleCols<3>(block.offset);
-    columns = (columns * slammot::transport(block.variable->value, block.x0)).eval();
+    turn_columns(A.middleCols<3>(block.offset),
+                 slammot::transport(block.variable->value, block.x0));
   }
 }
 
@@ -120,12 +120,14 @@ void MarginalPrior::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::Vect
         }
         continue;
       }
-      Eigen::MatrixXd turned = i == j ? gram.block(a.offset, b.offset, a.dim, b.dim)
-                                            .selfadjointView<Eigen::Lower>()
-                                            .toDenseMatrix()
-                                      : Eigen::MatrixXd(block);
-      if (b.turning) turned = (turned * b.T).eval();
-      if (a.turning) turned = (a.T.transpose() * turned).eval();
+      turned_.resize(a.dim, b.dim);
+      auto turned = *turned_;
+      turned = block;
+      if (i == j) {
+        turned.triangularView<Eigen::StrictlyUpper>() = block.transpose();
+      }
+      if (b.turning) turn_columns(turned, b.T);
+      if (a.turning) turn_rows(turned, a.T);
       if (a.core >= b.core) {
         H.block(a.core, b.core, a.dim, b.dim) += turned;
       } else {
@@ -167,8 +169,7 @@ void MarginalPrior::set(const std::vector<Variable*>& variables,
 
 void MarginalPrior::relinearise() {
   if (cols_ == 0) return;
-  difference(&Variable::value, difference_);
-  r_.noalias() += *R_ * difference_;
+  r_.noalias() += *R_ * difference();
   transport(*R_);
   has_gram_ = false;
   for (Block& block : blocks_) {

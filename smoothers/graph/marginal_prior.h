@@ -38,7 +38,8 @@ class MarginalPrior {
 
   // b [-] b0, `cols` numbers; `b` says which field of the variables is meant.
   using Field = SmallVector Variable::*;
-  Eigen::VectorXd difference(Field b = &Variable::value) const;
+  // The result is overwritten by the next call of any function here.
+  const Eigen::VectorXd& difference(Field b = &Variable::value) const;
 
   // |R (b [-] b0) + r|^2.
   double square(Field b = &Variable::value) const;
@@ -50,9 +51,6 @@ class MarginalPrior {
   const Eigen::VectorXd& r() const { return r_; }
   // For each row of R the first column that may not be zero.
   const std::vector<int>& starts() const { return starts_; }
-
-  // residual' R T step: the slope of half its square along the variables' step.
-  double slope() const;
 
   // A := A T, where A has the columns of R.
   void transport(Eigen::Ref<Eigen::MatrixXd> A) const;
@@ -89,7 +87,6 @@ class MarginalPrior {
     Eigen::Matrix3d T;
   };
   bool turns(const Block& block) const { return block.variable->is_orientation && !fixed_points_; }
-  void difference(Field b, Eigen::VectorXd& d) const;
   void compute_gram() const;
   void find_runs() const;
 
@@ -104,6 +101,7 @@ class MarginalPrior {
   mutable GrowingMatrix gram_;
   mutable bool has_gram_ = false;
   mutable std::vector<Run> runs_;
+  mutable GrowingMatrix turned_;                              // scratch
   mutable Eigen::VectorXd difference_, residual_, gradient_;  // scratch
 };
 

@@ -90,16 +90,18 @@ void LandmarkBlock::damp_noises(const GraphLandmark& l, double damping) {
     for (; pixel != l.pixels.rend() && pixel->depth == depth; ++pixel) {
       information.topLeftCorner<3, 3>() += pixel->at.J_y.transpose() * pixel->at.J_y;
     }
-    const LandmarkMatrix squares = step.G.transpose() * information * step.G;
+    const LandmarkMatrix IG = information.lazyProduct(step.G);
+    const LandmarkMatrix squares = step.G.transpose().lazyProduct(IG);
     D_[static_cast<std::size_t>(depth - 1)] =
         ((1.0 + damping) + damping * squares.diagonal().array()).matrix();
-    information = (step.F.transpose() * information * step.F).eval();
+    const LandmarkMatrix IF = information.lazyProduct(step.F);
+    information = step.F.transpose().lazyProduct(IF);
   }
 }
 
 void LandmarkBlock::fill_row(const GraphPixel& pixel, Eigen::Index row) {
   const auto J_y = pixel.at.J_y;
-  (*A_).middleRows<2>(row) = pixel.at.J_pose;
+  (*A_).block<2, 6>(row, 0) = pixel.at.J_pose;
   (*X_).middleRows<2>(row) = J_y.lazyProduct(Phi_.topRows<3>());
   (*S_).middleRows<2>(row).leftCols<3>() = pixel.at.J_anchor;
   q_.segment<2>(row) = pixel.at.r;
@@ -184,7 +186,7 @@ void LandmarkBlock::eliminate_states(const Graph& graph, const GraphLandmark& l,
   if (rows_ > 0) {
     (*Z_).noalias() = *P_ * Y;
     V_.noalias() += Y.transpose() * *Z_;
-    u_.noalias() += (*Z_).transpose() * q_;
+    u_ += (*Z_).transpose().lazyProduct(q_);
     squares = Y.colwise().squaredNorm().transpose();
   }
   if (l.w_sigmas.size() > 0) {  // then w is private
@@ -200,10 +202,10 @@ void LandmarkBlock::eliminate_states(const Graph& graph, const GraphLandmark& l,
     throw Diverged("the states of a landmark in the window are not determined");
   }
   V_ = llt.solve(LandmarkMatrix::Identity(dim, dim));
-  u_ = llt.solve(u_).eval();
+  u_ = V_.lazyProduct(u_).eval();
   if (rows_ == 0) return;
   (*ZV_).noalias() = *Z_ * V_;
-  e_.noalias() -= *Z_ * u_;
+  e_ -= (*Z_).lazyProduct(u_);
   (*P_).noalias() -= *ZV_ * (*Z_).transpose();
 }
 
@@ -229,7 +231,7 @@ void LandmarkBlock::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::Vect
   }
   for (int i = 0; i < pixels_; ++i) {
     const int pose = poses_[static_cast<std::size_t>(i)], row = 2 * i;
-    const Eigen::Matrix<double, 6, 2> A_t = A.middleRows<2>(row).transpose();
+    const Eigen::Matrix<double, 6, 2> A_t = A.block<2, 6>(row, 0).transpose();
     g.segment<6>(pose) += A_t * e_.segment<2>(row);
     for (const Shared& s : shared_) {
       if (s.dim == 3) {
@@ -238,7 +240,9 @@ void LandmarkBlock::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::Vect
       } else {
         const Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxMotion> PS_i =
             PS.block(row, s.column, 2, s.dim);
-        add_block(H, pose, s.core, A_t.lazyProduct(PS_i).eval());
+        const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMaxMotion> product =
+            A_t.lazyProduct(PS_i);
+        add_block(H, pose, s.core, product);
       }
     }
     if (independent_) {
@@ -247,7 +251,7 @@ void LandmarkBlock::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::Vect
     }
     for (int j = 0; j <= i; ++j) {
       const Eigen::Matrix<double, 6, 2> A_tP = A_t * P.block<2, 2>(row, 2 * j);
-      add_block(H, pose, poses_[static_cast<std::size_t>(j)], A_tP * A.middleRows<2>(2 * j));
+      add_block(H, pose, poses_[static_cast<std::size_t>(j)], A_tP * A.block<2, 6>(2 * j, 0));
     }
   }
 }
@@ -268,16 +272,16 @@ void LandmarkBlock::step(const Eigen::VectorXd& core, Graph& graph, GraphLandmar
   change_.resize(rows_);
   for (int i = 0; i < pixels_; ++i) {
     change_.segment<2>(2 * i) =
-        (*A_).middleRows<2>(2 * i) * core.segment<6>(poses_[static_cast<std::size_t>(i)]);
+        (*A_).block<2, 6>(2 * i, 0) * core.segment<6>(poses_[static_cast<std::size_t>(i)]);
   }
   change_.tail(rows_ - 2 * pixels_).setZero();
   for (const Shared& s : shared_) {
     if (rows_ == 0) break;
-    change_.noalias() += (*S_).middleCols(s.column, s.dim) * core.segment(s.core, s.dim);
+    change_ += (*S_).middleCols(s.column, s.dim).lazyProduct(core.segment(s.core, s.dim));
   }
   if (first_private_ < states_) {
     LandmarkVector x = -u_;
-    if (rows_ > 0) x.noalias() -= (*ZV_).transpose() * change_;
+    if (rows_ > 0) x -= (*ZV_).transpose().lazyProduct(change_);
     if (first_private_ == 0) graph.variables[l.y].step = x.head<3>();
     if (l.is_free()) graph.variables[l.w].step = x.tail(states_ - 3);
   }
@@ -312,17 +316,20 @@ void LandmarkBlock::newest(Eigen::Ref<Eigen::MatrixXd> E, LandmarkMatrix& covari
     covariance += Phi * V_ * Phi.transpose();
     return;
   }
-  Eigen::MatrixXd gain = *T_ * *P_;  // states x rows
-  covariance -= gain * (*T_).transpose();
+  gain_.resize(states_, rows_);
+  auto gain = *gain_;
+  gain.noalias() = *T_ * *P_;
+  covariance -= gain.lazyProduct((*T_).transpose());
   if (dim > 0) {
     const auto Phi = Phi_.rightCols(dim);
-    const LandmarkMatrix cross = Phi * ((*ZV_).transpose() * (*T_).transpose());
-    covariance += Phi * V_ * Phi.transpose() - cross - cross.transpose();
-    gain += Phi * (*ZV_).transpose();
+    const LandmarkMatrix TZ = (*T_).lazyProduct(*ZV_);
+    const LandmarkMatrix cross = TZ.lazyProduct(Phi.transpose()), PhiV = Phi.lazyProduct(V_);
+    covariance += PhiV.lazyProduct(Phi.transpose()) - cross - cross.transpose();
+    gain += Phi.lazyProduct((*ZV_).transpose());
   }
   for (int i = 0; i < pixels_; ++i) {
     E.middleRows<6>(poses_[static_cast<std::size_t>(i)]) -=
-        (*A_).middleRows<2>(2 * i).transpose().lazyProduct(gain.middleCols<2>(2 * i).transpose());
+        (*A_).block<2, 6>(2 * i, 0).transpose().lazyProduct(gain.middleCols<2>(2 * i).transpose());
   }
   for (const Shared& s : shared_) {
     E.middleRows(s.core, s.dim).noalias() -=

@@ -88,6 +88,7 @@ class LandmarkBlock {
   LandmarkVector u_;
   Eigen::VectorXd e_;
   mutable GrowingMatrix PS_;
+  mutable GrowingMatrix gain_;  // states x rows
   mutable Eigen::VectorXd change_, weighted_;
 };
 

@@ -32,8 +32,8 @@ void LocalElimination::follow_chain(const Graph& graph, const GraphLandmark& l) 
     const ChainStep& step = l.chain[static_cast<std::size_t>(j)];
     const LandmarkMatrix F = step.noise_point ? step.F : model.predict_jacobian(next, step.dt);
     Psi = (Psi * F.inverse()).eval();
-    (*N_).middleCols(j * dim_, dim_) = -Psi * step.G;
-    next = model.predict(next, step.dt) + step.G * step.noise;
+    (*N_).middleCols(j * dim_, dim_) = -Psi.lazyProduct(step.G);
+    next = model.predict(next, step.dt) + step.G.lazyProduct(step.noise);
   }
 }
 
@@ -94,11 +94,11 @@ void LocalElimination::fill_on_state(Eigen::Index row, Eigen::Index rows, int de
   auto A = *A_;
   for (int j = depth; j-- > 0;) {
     const ChainStep& step = l.chain[static_cast<std::size_t>(j)];
-    A.block(row, j * dim_, rows, dim_) = coefficient * step.G;
-    coefficient = (coefficient * step.F).eval();
+    A.block(row, j * dim_, rows, dim_) = coefficient.lazyProduct(step.G);
+    coefficient = (coefficient.lazyProduct(step.F)).eval();
   }
   if (noises_ > 0) A.block(row, 0, rows, noises_).noalias() += coefficient * *N_;
-  coefficient = (coefficient * Psi).eval();
+  coefficient = (coefficient.lazyProduct(Psi)).eval();
   A.block(row, y_column_, rows, 3) = coefficient.leftCols<3>();
   if (w_column_ >= 0) A.block(row, w_column_, rows, dim_ - 3) = coefficient.rightCols(dim_ - 3);
 }

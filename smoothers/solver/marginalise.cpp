@@ -28,7 +28,7 @@ void Marginaliser::take(Variable& v) {
   order_.push_back(&v);
 }
 
-// What the prior holds and leaves, the noises of substitutions, what else leaves, what is
+// The noises of substitutions, what the prior holds and leaves, what else leaves, what is
 // deactivated; then what moves on along its chain, what is new to the prior, and the rest of the
 // prior as it was: its rows remain a triangle there.
 void Marginaliser::order_columns(Graph& graph, const Leaving& leaving) {
@@ -46,13 +46,13 @@ void Marginaliser::order_columns(Graph& graph, const Leaving& leaving) {
   }
   for (const VariableId id : going) graph.variables[id].column = kLeaving;
   const auto& blocks = graph.prior().active.blocks();
-  for (const MarginalPrior::Block& b : blocks) {
-    Variable& v = graph.variables[b.variable->id];
-    if (v.column == kLeaving) take(v);
-  }
   for (std::size_t i = 0; i < local_count_; ++i) {
     locals_[i].noise_column = total_;
     total_ += locals_[i].noise_dim();
+  }
+  for (const MarginalPrior::Block& b : blocks) {
+    Variable& v = graph.variables[b.variable->id];
+    if (v.column == kLeaving) take(v);
   }
   const auto touched = [&](auto&& function) {
     for (std::size_t i = 0; i < local_count_; ++i) {
@@ -132,8 +132,9 @@ void Marginaliser::count_rows(const Graph& graph, const Leaving& leaving) {
   std::vector<Eigen::Index>& by_start = by_start_;
   by_start.resize(starts_.size());
   std::iota(by_start.begin(), by_start.end(), 0);
-  std::ranges::stable_sort(by_start, {},
-                           [&](Eigen::Index i) { return starts_[static_cast<std::size_t>(i)]; });
+  std::ranges::sort(by_start, {}, [&](Eigen::Index i) {
+    return std::pair(starts_[static_cast<std::size_t>(i)], i);
+  });
   sorted_starts_.clear();
   for (std::size_t i = 0; i < by_start.size(); ++i) {
     row_[static_cast<std::size_t>(by_start[i])] = static_cast<Eigen::Index>(i);
@@ -207,18 +208,24 @@ void Marginaliser::fill(const Graph& graph, const Leaving& leaving) {
 void Marginaliser::fill_prior(const Graph& graph, Eigen::Index first) {
   const MarginalPrior& prior = graph.prior().active;
   if (prior.cols() == 0) return;
-  auto A = *A_;
-  const Eigen::MatrixXd J = prior.jacobian();
-  const Eigen::VectorXd r = prior.residual();
-  const auto row = [&](Eigen::Index i) { return row_[static_cast<std::size_t>(first + i)]; };
-  for (const MarginalPrior::Block& b : prior.blocks()) {
-    for (int k = 0; k < b.dim(); ++k) {
-      double* column = A.col(b.variable->column + k).data();
-      const double* from = J.col(b.offset + k).data();
-      for (Eigen::Index i = 0; i < J.rows(); ++i) column[row(i)] = from[i];
+  const auto R = prior.R();
+  // Rows that begin later are zero in a block's columns.
+  const auto rows_until = [&](int column) {
+    return std::ranges::lower_bound(prior.starts(), column) - prior.starts().begin();
+  };
+  const auto put = [&](const auto& columns, Eigen::Index to) {
+    for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+      double* column = (*A_).col(to + k).data();
+      for (Eigen::Index i = 0; i < columns.rows(); ++i) {
+        column[row_[static_cast<std::size_t>(first + i)]] = columns(i, k);
+      }
     }
+  };
+  for (const MarginalPrior::Block& b : prior.blocks()) {
+    put(R.middleCols(b.offset, b.dim()).topRows(rows_until(b.offset + b.dim())),
+        b.variable->column);
   }
-  for (Eigen::Index i = 0; i < r.size(); ++i) A(row(i), total_) = r(i);
+  put(prior.r(), total_);
   // dx_0 = Psi dx_d + noise_gain dn in the columns of what moves on.
   for (std::size_t k = 0; k < local_count_; ++k) {
     const LocalElimination& local = locals_[k];
@@ -227,18 +234,21 @@ void Marginaliser::fill_prior(const Graph& graph, Eigen::Index first) {
     const int y = graph.variables[l.y].column, w = graph.variables[l.w].column;
     const MarginalPrior::Block* y_0 = prior.find(l.y);
     const MarginalPrior::Block* w_0 = prior.find(l.w);
-    const Eigen::Index dim = local.Psi.rows();
-    Eigen::MatrixXd of_x = J.middleCols<3>(y_0->offset) * local.Psi.topRows<3>();
-    Eigen::MatrixXd of_noise = J.middleCols<3>(y_0->offset) * local.noise_gain.topRows<3>();
+    const Eigen::Index dim = local.Psi.rows(), motion = dim - 3;
+    const int end = std::max(y_0->offset + 3, w_0 ? w_0->offset + w_0->dim() : 0);
+    const auto J = R.topRows(rows_until(end));
+    moved_.resize(J.rows(), 2 * dim);
+    auto of_x = (*moved_).leftCols(dim), of_noise = (*moved_).rightCols(dim);
+    of_x = J.middleCols<3>(y_0->offset).lazyProduct(local.Psi.topRows<3>());
+    of_noise = J.middleCols<3>(y_0->offset).lazyProduct(local.noise_gain.topRows<3>());
     if (w_0) {
-      of_x += J.middleCols(w_0->offset, dim - 3) * local.Psi.bottomRows(dim - 3);
-      of_noise += J.middleCols(w_0->offset, dim - 3) * local.noise_gain.bottomRows(dim - 3);
+      const auto J_w = J.middleCols(w_0->offset, motion);
+      of_x += J_w.lazyProduct(local.Psi.bottomRows(motion));
+      of_noise += J_w.lazyProduct(local.noise_gain.bottomRows(motion));
     }
-    for (Eigen::Index i = 0; i < J.rows(); ++i) {
-      A.row(row(i)).segment<3>(y) = of_x.row(i).head<3>();
-      A.row(row(i)).segment(w, dim - 3) = of_x.row(i).tail(dim - 3);
-      A.row(row(i)).segment(local.noise_column, dim) = of_noise.row(i);
-    }
+    put(of_x.leftCols<3>(), y);
+    put(of_x.rightCols(motion), w);
+    put(of_noise, local.noise_column);
   }
 }
 
@@ -268,10 +278,11 @@ void Marginaliser::operator()(Graph& graph, const Leaving& leaving) {
     locals_[i].compute(graph, leaving.departures[i], oldest);
   }
   order_columns(graph, leaving);
-  count_rows(graph, leaving);
-  fill(graph, leaving);
   ConditionalMap& map = graph.prior().inactive;
   map.relinearise(graph.prior().active, total_);
+  graph.prior().active.relinearise();
+  count_rows(graph, leaving);
+  fill(graph, leaving);
   for (const VariableId id : leaving.deactivated) {
     Variable& v = graph.variables[id];
     if (graph.fixed_points()) v.keep_point();  // the prior may have touched it in this call only

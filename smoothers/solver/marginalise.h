@@ -46,7 +46,7 @@ class Marginaliser {
   std::vector<int> sorted_starts_;            // in that of the matrix
   std::vector<Eigen::Index> row_, by_start_;  // where each goes, and which comes there
   std::vector<int> first_from_;  // of the prior's columns: where a row that begins there begins
-  GrowingMatrix A_;
+  GrowingMatrix A_, moved_;
   Triangularise triangularise_;
 };
 

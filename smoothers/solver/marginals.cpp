@@ -64,65 +64,96 @@ void NormalEquations::inactive_covariance(const Graph& graph, const GraphLandmar
   }
 }
 
-// Columns of landmarks that are in the core from the newest camera's rows on come last, and are
-// solved for there only.
+// L^-1 E of every column that is asked for, where E = d(anchor or newest state)' / d(core). A
+// column is zero above its first row, so that columns are sorted by it and solved for a few at a
+// time.
 void NormalEquations::prepare(const Graph& graph, std::span<const LandmarkId> landmarks) {
   compute_camera();
   asked_.clear();
+  pieces_.clear();
   for (const LandmarkId id : landmarks) {
-    if (!joints_[static_cast<std::size_t>(id)].known)
-      asked_.push_back({id, lies_low(graph, id), 0});
+    if (!joints_[static_cast<std::size_t>(id)].known) ask(graph, id);
   }
   if (asked_.empty()) return;
-  std::ranges::stable_sort(asked_, {}, &Asked::low);
-  Eigen::Index high = 0, total = 0;
-  for (Asked& asked : asked_) {
-    asked.column = total;
-    total += 3 + state_dim(graph, asked.id);
-    if (!asked.low) high = total;
-    joints_[static_cast<std::size_t>(asked.id)].known = true;
-  }
+  const Eigen::Index total = place_pieces();
   columns_.resize(core_dim_, total);
-  auto C = *columns_;
-  C.setZero();
-  for (const Asked& asked : asked_)
-    fill_columns(graph, asked.id, C.middleCols(asked.column, 3 + state_dim(graph, asked.id)));
-  const Eigen::Index rest = core_dim_ - rates_dim_, newest = core_dim_ - newest_core_;
-  solve_lower_in_place((*S_).bottomRightCorner(rest, rest), C.bottomLeftCorner(rest, high));
-  solve_lower_in_place((*S_).bottomRightCorner(newest, newest),
-                       C.bottomRightCorner(newest, total - high));
+  (*columns_).setZero();
+  for (const Asked& asked : asked_) fill_columns(graph, asked);
+  solve_pieces();
+  const Eigen::Index newest = core_dim_ - newest_core_;
   cross_.resize(total, kCameraDim);
-  (*cross_).noalias() = C.bottomRows(newest).transpose() * *camera_columns_;
-  for (const Asked& asked : asked_) {
-    auto& P = joints_[static_cast<std::size_t>(asked.id)].covariance;
-    const Eigen::Index dim = 3 + state_dim(graph, asked.id);
-    const auto own = C.middleCols(asked.column, dim).bottomRows(asked.low ? newest : rest);
-    P.topLeftCorner<kCameraDim, kCameraDim>() = camera_covariance_;
-    P.bottomLeftCorner(dim, kCameraDim) = (*cross_).middleRows(asked.column, dim);
-    P.topRightCorner(kCameraDim, dim) = P.bottomLeftCorner(dim, kCameraDim).transpose();
-    P.bottomRightCorner(dim, dim).noalias() += own.transpose() * own;
-  }
+  (*cross_).noalias() = (*columns_).bottomRows(newest).transpose() * *camera_columns_;
+  for (const Asked& asked : asked_) fill_joint(asked);
 }
 
-bool NormalEquations::lies_low(const Graph& graph, LandmarkId id) const {
+void NormalEquations::ask(const Graph& graph, LandmarkId id) {
   const GraphLandmark& l = graph[id];
-  const Variable &y = graph.variables[l.y], &anchor = graph.variables[l.anchor];
-  return y.is_active && anchor.is_active && anchor.core >= newest_core_ && !y.is_private &&
-         y.core >= newest_core_ && blocks_[static_cast<std::size_t>(id)].is_in_core();
+  const auto first_row = [&](VariableId v) {
+    return graph.variables[v].is_active ? graph.variables[v].core : rates_dim_;
+  };
+  Asked asked{id, 0, static_cast<int>(pieces_.size())};
+  const auto same = std::ranges::find(pieces_, l.anchor, &Piece::anchor);
+  asked.anchor = static_cast<int>(same - pieces_.begin());
+  if (same == pieces_.end()) {
+    pieces_.push_back({l.anchor, first_row(l.anchor), 3, 0});
+    ++asked.state;
+  }
+  int first = first_row(l.y);
+  if (graph.variables[l.y].is_active) {
+    const LandmarkBlock& block = blocks_[static_cast<std::size_t>(id)];
+    if (!block.is_in_core()) {
+      first = rates_dim_;
+    } else if (block.dim() > 3) {  // one that has become free since has no w in the core
+      first = std::min(first, first_row(l.w));
+    }
+  }
+  pieces_.push_back({-1, first, state_dim(graph, id), 0});
+  asked_.push_back(asked);
+  joints_[static_cast<std::size_t>(id)].known = true;
+}
+
+// Side by side, those that begin in higher rows first.
+Eigen::Index NormalEquations::place_pieces() {
+  sorted_.clear();
+  for (Piece& piece : pieces_) sorted_.push_back(&piece);
+  std::ranges::sort(sorted_, {}, [](const Piece* p) { return std::pair(p->first, p); });
+  Eigen::Index total = 0;
+  for (Piece* piece : sorted_) {
+    piece->column = total;
+    total += piece->dim;
+  }
+  return total;
+}
+
+void NormalEquations::solve_pieces() {
+  constexpr Eigen::Index kColumns = 24;  // at once
+  auto C = *columns_;
+  for (auto piece = sorted_.begin(); piece != sorted_.end();) {
+    const int first = (*piece)->first;
+    const Eigen::Index begin = (*piece)->column;
+    Eigen::Index width = 0;
+    while (piece != sorted_.end() && (width < kColumns || (*piece)->first == first)) {
+      width += (*piece++)->dim;
+    }
+    const Eigen::Index rows = core_dim_ - first;
+    solve_lower_in_place((*S_).bottomRightCorner(rows, rows), C.block(first, begin, rows, width));
+  }
 }
 
 // Of the anchor and the newest state; and what the core does not say of them.
-void NormalEquations::fill_columns(const Graph& graph, LandmarkId id,
-                                   Eigen::Ref<Eigen::MatrixXd> C) {
-  Joint& joint = joints_[static_cast<std::size_t>(id)];
-  const GraphLandmark& l = graph[id];
-  const int dim = state_dim(graph, id);
+void NormalEquations::fill_columns(const Graph& graph, const Asked& asked) {
+  Joint& joint = joints_[static_cast<std::size_t>(asked.id)];
+  const GraphLandmark& l = graph[asked.id];
+  const Piece &anchor = piece(asked.anchor), &state = piece(asked.state);
+  const int dim = state.dim;
   joint.covariance.setZero(kCameraDim + 3 + dim, kCameraDim + 3 + dim);
-  columns_of(graph, l.anchor, C.leftCols<3>());
-  auto of_state = C.rightCols(dim);
+  auto of_anchor = (*columns_).middleCols(anchor.column, 3);
+  of_anchor.setZero();  // another landmark's, too
+  columns_of(graph, l.anchor, of_anchor);
+  auto of_state = (*columns_).middleCols(state.column, dim);
   if (graph.variables[l.y].is_active) {
     LandmarkMatrix own;
-    blocks_[static_cast<std::size_t>(id)].newest(of_state, own);
+    blocks_[static_cast<std::size_t>(asked.id)].newest(of_state, own);
     joint.covariance.bottomRightCorner(dim, dim) = own;
     if (joint.is_new) {  // linearised where the last step has led
       auto rotation = of_state.middleRows<3>(camera_core_[1]);
@@ -132,6 +163,25 @@ void NormalEquations::fill_columns(const Graph& graph, LandmarkId id,
     columns_of(graph, l.y, of_state);
   }
   inactive_covariance(graph, l, joint.covariance);
+}
+
+void NormalEquations::fill_joint(const Asked& asked) {
+  auto& P = joints_[static_cast<std::size_t>(asked.id)].covariance;
+  constexpr int kAnchor = kCameraDim, kState = kCameraDim + 3;
+  const Piece &anchor = piece(asked.anchor), &state = piece(asked.state);
+  P.topLeftCorner<kCameraDim, kCameraDim>() = camera_covariance_;
+  P.block<3, kCameraDim>(kAnchor, 0) = (*cross_).middleRows<3>(anchor.column);
+  P.block(kState, 0, state.dim, kCameraDim) = (*cross_).middleRows(state.column, state.dim);
+  const auto of = [&](const Piece& p, int first) {
+    return (*columns_).block(first, p.column, core_dim_ - first, p.dim);
+  };
+  const int both = std::max(anchor.first, state.first);
+  const auto a = of(anchor, anchor.first), x = of(state, state.first);
+  P.block<3, 3>(kAnchor, kAnchor).noalias() += a.transpose() * a;
+  P.block(kState, kAnchor, state.dim, 3).noalias() +=
+      of(state, both).transpose() * of(anchor, both);
+  P.bottomRightCorner(state.dim, state.dim).noalias() += x.transpose() * x;
+  P.triangularView<Eigen::StrictlyUpper>() = P.transpose();
 }
 
 int NormalEquations::state_dim(const Graph& graph, LandmarkId id) const {

@@ -59,17 +59,26 @@ class NormalEquations {
     JointMatrix covariance;
   };
 
-  // A landmark whose marginal is asked for; `low`: only the last rows of the core concern it.
+  // Columns that are asked for: of an anchor, or of a newest state. Rows of the core before `first`
+  // do not concern them.
+  struct Piece {
+    VariableId anchor = -1;
+    int first = 0, dim = 0;
+    Eigen::Index column = 0;
+  };
   struct Asked {
     LandmarkId id = 0;
-    bool low = false;
-    Eigen::Index column = 0;
+    int anchor = 0, state = 0;  // pieces
   };
 
   void place(Graph& graph);
   void factorise_core(const Graph& graph);
-  bool lies_low(const Graph& graph, LandmarkId id) const;
-  void fill_columns(const Graph& graph, LandmarkId id, Eigen::Ref<Eigen::MatrixXd> C);
+  void ask(const Graph& graph, LandmarkId id);
+  Eigen::Index place_pieces();
+  void solve_pieces();
+  void fill_columns(const Graph& graph, const Asked& asked);
+  void fill_joint(const Asked& asked);
+  const Piece& piece(int i) const { return pieces_[static_cast<std::size_t>(i)]; }
   void add_cameras(const Graph& graph);
   void add_blocks(const Graph& graph, double damping);
   void compute_camera();
@@ -90,6 +99,8 @@ class NormalEquations {
   Eigen::Matrix3d turn_;           // right Jacobian of the camera's last step
   GrowingMatrix columns_, cross_;  // scratch
   std::vector<Asked> asked_;
+  std::vector<Piece> pieces_;
+  std::vector<Piece*> sorted_;  // by first row
 };
 
 }  // namespace slammot

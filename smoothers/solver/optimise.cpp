@@ -9,13 +9,8 @@ namespace {
 constexpr double kFirstDamping = 1e-3;
 constexpr double kDampingFactor = 10.0;
 constexpr int kTries = 8;
+constexpr int kHalvings = 2;
 constexpr double kRounding = 1e-9;  // a cost that is higher by less is not higher
-
-// By how much a step may raise the cost. With fixed points the solution of the equations is not
-// quite the minimum of the cost: on the way there it may rise by what would not be worth a step.
-double allowed_rise(const Graph& graph, double cost_tolerance) {
-  return graph.fixed_points() ? cost_tolerance : kRounding;
-}
 
 void clear_step(Graph& graph) {
   graph.variables.for_each([](Variable& v) { v.step.setZero(v.dim()); });
@@ -24,37 +19,71 @@ void clear_step(Graph& graph) {
   }
 }
 
+void halve_step(Graph& graph) {
+  graph.variables.for_each([](Variable& v) { v.step *= 0.5; });
+  for (GraphLandmark& landmark : graph.landmarks) {
+    for (ChainStep& step : landmark.chain) step.step *= 0.5;
+  }
+}
+
 }  // namespace
 
-// A step that costs `most` at most; none when there is none.
-bool Optimiser::find_step(Graph& graph, const GraphCamera& camera, double most, bool is_last,
-                          double& damping) {
-  if (damping > 0.0) {
-    damped_.factorise(graph, camera, damping);
-    damped_.solve(graph);
-  }
-  if (graph.cost_after_step() <= most) return true;
-  for (int k = 0; !is_last && k < kTries; ++k) {
+// A step of Gauss-Newton that does not raise the cost, or half or a quarter of it, or one that is
+// damped; none when there is none. Halving needs no factorisation.
+//
+// With fixed points the solution of the equations is not quite the minimum of the cost: on the way
+// there it may rise by what would not be worth a step. Nor need a part of the step lower it.
+std::optional<Optimiser::Step> Optimiser::find_step(Graph& graph, const GraphCamera& camera,
+                                                    double before, double tolerance, bool is_last,
+                                                    double& damping) {
+  const int halvings = graph.fixed_points() ? 0 : kHalvings;
+  const auto raises_cost = [&](const StepOutcome& outcome) {
+    const double rise = graph.fixed_points() ? outcome.cost_of(tolerance) : kRounding;
+    return outcome.cost() > before + rise;
+  };
+  for (int i = 0; i <= kTries; ++i) {
+    NormalEquations& equations = damping > 0.0 ? damped_ : equations_;
+    equations.factorise(graph, camera, damping);
+    equations.solve(graph);
+    Step step{graph.try_step(), damping > 0.0};
+    if (!raises_cost(step.outcome)) return step;
+    if (is_last) break;
+    for (int k = 0; k < halvings; ++k) {
+      halve_step(graph);
+      step = {graph.try_step(), true};
+      if (!raises_cost(step.outcome)) return step;
+    }
     damping = std::max(kFirstDamping, kDampingFactor * damping);
-    damped_.factorise(graph, camera, damping);
-    damped_.solve(graph);
-    if (graph.cost_after_step() <= most) return true;
   }
   clear_step(graph);
-  return false;
+  return std::nullopt;
+}
+
+// Whole steps end the iteration when they are as predicted. What is left after a shortened one is
+// not known, unless there was little to gain: where a landmark may go no further, behind a camera.
+bool Optimiser::is_last(const Graph& graph, const Step& step, double before, double damping,
+                        double tolerance) {
+  if (!step.is_short) return step.outcome.linearisation_error() < tolerance;
+  const double gain = before - step.outcome.cost();
+  return !graph.fixed_points() && damping <= kFirstDamping &&
+         gain < step.outcome.cost_of(tolerance);
 }
 
 void Optimiser::operator()(Graph& graph, const GraphCamera& camera, int iterations,
-                           double cost_tolerance) {
+                           double tolerance) {
   double damping = 0.0;
   for (int i = 1;; ++i) {
     const double before = graph.linearise();
-    equations_.factorise(graph, camera);
-    equations_.solve(graph);
-    bool last = i >= iterations || graph.predicted_decrease() < cost_tolerance;
-    if (iterations > 1 && rule_ == StepRule::kDescent) {
-      const double most = before + allowed_rise(graph, cost_tolerance);
-      last = !find_step(graph, camera, most, last, damping) || last;
+    bool last = i >= iterations;
+    if (iterations == 1 || rule_ == StepRule::kEvery) {
+      equations_.factorise(graph, camera);
+      equations_.solve(graph);
+      last = last || graph.try_step().linearisation_error() < tolerance;
+    } else {
+      const bool is_undamped = damping == 0.0;
+      const auto step = find_step(graph, camera, before, tolerance, last, damping);
+      last = last || !step || is_last(graph, *step, before, damping, tolerance);
+      if (last && !is_undamped) equations_.factorise(graph, camera);  // for the marginals
       damping = damping > kFirstDamping ? damping / kDampingFactor : 0.0;
     }
     graph.retract();

@@ -1,5 +1,7 @@
-// Gauss-Newton with Marquardt's damping where the cost asks for it.
+// Gauss-Newton with shorter steps where the cost asks for it.
 #pragma once
+
+#include <optional>
 
 #include "smoothers/solver/normal_equations.h"
 
@@ -14,13 +16,15 @@ class Optimiser {
   explicit Optimiser(StepRule rule = StepRule::kDescent) : rule_(rule) {}
 
   // Minimises the graph's cost from the current estimate, with at most `iterations` linearisations
-  // (>= 1). It ends with the step whose predicted decrease is below `cost_tolerance`, in units of
-  // chi-square: 1e-2 is a tenth of a standard deviation.
+  // (>= 1). It ends with a step of Gauss-Newton that the linearised problem describes well enough:
+  // where it leads, residuals differ from their linear prediction by less than `tolerance` (root
+  // mean square, in standard deviations). The next step would change them by about as much. The
+  // rule does not depend on the number of measurements, as a decrease of chi-square would.
   //
-  // A step of Gauss-Newton that raises the cost is not taken but tried again with more damping
-  // (Marquardt 1963). A single iteration is taken whatever the cost says, as in an EKF, and so are
-  // all steps with StepRule::kEvery. Throws Diverged as NormalEquations does.
-  void operator()(Graph& graph, const GraphCamera& camera, int iterations, double cost_tolerance);
+  // A step of Gauss-Newton that raises the cost is not taken but halved, and then tried again with
+  // more damping (Marquardt 1963). A single iteration is taken whatever the cost says, as in an
+  // EKF, and so are all steps with StepRule::kEvery. Throws Diverged as NormalEquations does.
+  void operator()(Graph& graph, const GraphCamera& camera, int iterations, double tolerance);
 
   // One step from the stored linearisation.
   void take_step(Graph& graph, const GraphCamera& camera);
@@ -30,8 +34,14 @@ class Optimiser {
   NormalEquations& equations() { return equations_; }
 
  private:
-  bool find_step(Graph& graph, const GraphCamera& camera, double most, bool is_last,
-                 double& damping);
+  struct Step {
+    StepOutcome outcome;
+    bool is_short = false;  // halved or damped
+  };
+  std::optional<Step> find_step(Graph& graph, const GraphCamera& camera, double before,
+                                double tolerance, bool is_last, double& damping);
+  static bool is_last(const Graph& graph, const Step& step, double before, double damping,
+                      double tolerance);
 
   StepRule rule_;
   NormalEquations equations_, damped_;

@@ -32,10 +32,10 @@ void CameraWindow::advance(const Frame& frame, double dt, const MotionNoise& noi
 
 void CameraWindow::leave() {
   left_.push_back({frames_.front().timestamp, state(frames_.front())});
-  frames_.pop_front();
+  frames_.erase(frames_.begin());
 }
 
-std::deque<WindowFrame>::const_iterator CameraWindow::find(VariableId position) const {
+std::vector<WindowFrame>::const_iterator CameraWindow::find(VariableId position) const {
   return std::ranges::find(frames_, position,
                            [](const WindowFrame& f) { return f.camera.position; });
 }

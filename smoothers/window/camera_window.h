@@ -1,8 +1,8 @@
 // The cameras in a sliding window, and what was believed of those that left.
 #pragma once
 
-#include <deque>
 #include <memory>
+#include <vector>
 
 #include "models/measurement.h"
 #include "models/truth.h"
@@ -21,7 +21,9 @@ class CameraWindow {
  public:
   // `truth`: none, or where the cameras' Jacobians are taken.
   CameraWindow(Graph& graph, std::shared_ptr<const Truth> truth)
-      : graph_(graph), truth_(std::move(truth)) {}
+      : graph_(graph), truth_(std::move(truth)) {
+    left_.reserve(1024);  // it grows in every frame, which is not to ask for memory
+  }
 
   // The first camera with its prior; each later one at its prediction, thesis 2.1.1, with its
   // motion factor. Throws std::invalid_argument for a singular motion noise.
@@ -31,11 +33,11 @@ class CameraWindow {
   // Takes the oldest out of the window; its variables are the caller's to marginalise.
   void leave();
 
-  const std::deque<WindowFrame>& frames() const { return frames_; }
+  const std::vector<WindowFrame>& frames() const { return frames_; }
   const WindowFrame& oldest() const { return frames_.front(); }
   const WindowFrame& newest() const { return frames_.back(); }
   // The frame whose position this is; frames().end() when it has left.
-  std::deque<WindowFrame>::const_iterator find(VariableId position) const;
+  std::vector<WindowFrame>::const_iterator find(VariableId position) const;
 
   CameraState state(const WindowFrame& frame) const { return graph_.camera(frame.camera); }
 
@@ -50,7 +52,7 @@ class CameraWindow {
 
   Graph& graph_;
   std::shared_ptr<const Truth> truth_;
-  std::deque<WindowFrame> frames_;
+  std::vector<WindowFrame> frames_;
   std::vector<Left> left_;
 };
 

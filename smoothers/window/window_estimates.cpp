@@ -19,7 +19,7 @@ void Window::solve() {
     graph_.linearise();
     optimiser_.take_step(graph_, cameras_.newest().camera);
   } else {
-    optimiser_(graph_, cameras_.newest().camera, options_.iterations, options_.cost_tolerance);
+    optimiser_(graph_, cameras_.newest().camera, options_.iterations, options_.linearisation_error);
   }
   F_.setIdentity();
   Q_.setZero();

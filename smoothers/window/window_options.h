@@ -17,7 +17,7 @@ enum class WindowPrior { kLandmarks, kCameras };
 struct WindowOptions {
   int frames = 20;      // camera states kept; older ones are marginalised
   int iterations = 20;  // Gauss-Newton steps a frame at most; 1 and one frame make it the EKF
-  double cost_tolerance = 1e-2;  // a step predicted to lower chi-square by less is the last one
+  double linearisation_error = 0.02;  // [sigma] a step with less of it is the last one
   WindowLinearisation linearisation = WindowLinearisation::kStandard;
   Loss loss = Loss::kNone;
   WindowSolver solver = WindowSolver::kOwn;

@@ -1,5 +1,5 @@
-// A filter that has warmed up asks for no memory: its matrices and lists keep what they had. Only a
-// birth does, for the landmark itself.
+// A filter or window that has warmed up asks for no memory: its matrices and lists keep what they
+// had. Only a birth does, for the landmark itself.
 //
 // Counts what reaches malloc, from Eigen and the standard library alike; so this is a program of
 // its own, and without a test under a sanitizer, which has its own malloc.
@@ -8,6 +8,7 @@
 #include "eval/run/process.h"
 #include "filters/ekf.h"
 #include "models/observation.h"
+#include "smoothers/window/window.h"
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 
@@ -55,35 +56,55 @@ Frame wall_frame(const Setup& setup, int index) {
   return frame;
 }
 
-TEST(Ekf, AllocatesNothingOnceItHasWarmedUp) {
-  prepare_process();  // more BLAS threads would have buffers of their own
-  const auto setup = wall_setup();
-  for (const LabelRule rule : {LabelRule::kOneWay, LabelRule::kReversible}) {
-    ModelOptions models;
-    models.labels.rule = rule;
-    models.classifier.name = "truth";
-    const auto ekf = make_ekf(setup, models, {});
-    NoStages stages;
-    long first = 0, warm = 0, counted = 0;
-    int size = 0, largest = 0;  // of the state: before the frame, and in all frames before it
-    for (int index = 0; index < 80; ++index) {
-      const Frame frame = wall_frame(setup, index);
-      const long before = allocations;
-      const FrameReport report = ekf->process(frame, stages);
-      const long here = allocations - before;
-      const bool grown = size > largest;
-      largest = std::max(largest, size);
-      size = report.state_size;
-      if (index == 0) first = here;
-      if (index < 60 || grown || report.admitted > 0 || !report.retired.empty()) continue;
-      ASSERT_GE(report.accepted, 30) << "frame " << index;
-      warm += here;
-      ++counted;
-    }
-    EXPECT_GT(first, 40) << "the counter does not count";
-    EXPECT_GT(counted, 10);
-    EXPECT_EQ(warm, 0) << "rule " << static_cast<int>(rule);
+// Of frames after the 60th in which nothing is born, pruned or larger than ever before.
+void expect_no_allocation(Estimator& estimator, const Setup& setup) {
+  NoStages stages;
+  long first = 0, warm = 0, counted = 0;
+  int size = 0, largest = 0;  // of the state: before the frame, and in all frames before it
+  for (int index = 0; index < 80; ++index) {
+    const Frame frame = wall_frame(setup, index);
+    const long before = allocations;
+    const FrameReport report = estimator.process(frame, stages);
+    const long here = allocations - before;
+    const bool grown = size > largest;
+    largest = std::max(largest, size);
+    size = report.state_size;
+    if (index == 0) first = here;
+    if (index < 60 || grown || report.admitted > 0 || !report.retired.empty()) continue;
+    ASSERT_GE(report.accepted, 30) << "frame " << index;
+    warm += here;
+    ++counted;
   }
+  EXPECT_GT(first, 40) << "the counter does not count";
+  EXPECT_GT(counted, 10);
+  EXPECT_EQ(warm, 0);
+}
+
+class Allocations : public testing::TestWithParam<LabelRule> {
+ protected:
+  Allocations() {
+    prepare_process();  // more BLAS threads would have buffers of their own
+    models.labels.rule = GetParam();
+    models.classifier.name = "truth";
+  }
+
+  slammot::Setup setup = wall_setup();
+  ModelOptions models;
+};
+INSTANTIATE_TEST_SUITE_P(Labels, Allocations,
+                         testing::Values(LabelRule::kOneWay, LabelRule::kReversible),
+                         [](const auto& rule) {
+                           return rule.param == LabelRule::kOneWay ? "one_way" : "reversible";
+                         });
+
+TEST_P(Allocations, NoneByAWarmFilter) {
+  expect_no_allocation(*make_ekf(setup, models, {}), setup);
+}
+
+TEST_P(Allocations, NoneByAWarmWindow) {
+  WindowOptions options;
+  options.frames = 10;
+  expect_no_allocation(*make_window(setup, models, options), setup);
 }
 
 }  // namespace

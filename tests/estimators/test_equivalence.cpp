@@ -191,7 +191,7 @@ TEST(ManySteps, MakeItTheIteratedEkf) {
   WindowOptions one;
   one.frames = 1;
   one.iterations = 30;
-  one.cost_tolerance = 1e-24;
+  one.linearisation_error = 1e-12;
   one.linearisation = WindowLinearisation::kStandard;
   const auto ekf = make_ekf(setup, models, iterated);
   const auto window = make_window(setup, models, one);
@@ -221,7 +221,7 @@ TEST_P(WholeSequence, WindowIsTheBatch) {
   WindowOptions whole;
   whole.frames = 1000;
   whole.iterations = 40;
-  whole.cost_tolerance = 1e-20;
+  whole.linearisation_error = 1e-10;
   whole.linearisation = WindowLinearisation::kStandard;
   const auto window = make_window(setup, models, whole);
   const auto batch = make_batch(setup, models, whole);

@@ -95,10 +95,8 @@ TEST(Configuration, OldNamesAreReadAndNewOnesWritten) {
   test::write_text(file, "policy: {lost_after: 7, missed_after: 40}\nprior.source: stated\n");
   Configuration c;
   load_configuration(c, file);
-  assign(c, parse_assignment("window.negligible=0.5"));
   EXPECT_EQ(c.model.policy.prune_after, 7);
   EXPECT_EQ(c.model.policy.prune_missed_after, 40);
-  EXPECT_EQ(c.window.cost_tolerance, 0.5);
   EXPECT_EQ(c.model.depth_prior, DepthPriorSource::kFixed);
   assign(c, {"prior.source", "map"});
   EXPECT_EQ(c.model.depth_prior, DepthPriorSource::kEmpirical);
@@ -114,7 +112,7 @@ TEST(Configuration, OldNamesAreReadAndNewOnesWritten) {
       EXPECT_EQ(value, "map");  // a name that did not change
     }
   }
-  test::write_text(file, "window.negligible: 1\nwindow.cost_tolerance: 2\n");
+  test::write_text(file, "policy.lost_after: 1\npolicy.prune_after: 2\n");
   EXPECT_THROW(load_configuration(c, file), InputError);  // one key under two names
   const Sequence old = simulate("matched", {{"frames", "3"}}, 1);
   const Sequence present = simulate("model_matched", {{"frames", "3"}}, 1);

@@ -97,7 +97,7 @@ TEST(Optimise, DampsAStepThatRaisesTheCost) {
     const double before = graph.linearise();
     const Eigen::VectorXd dx = test::dense_problem(graph).step();
     test::set_steps(graph, dx);
-    if (graph.cost_after_step() <= before) continue;
+    if (graph.try_step().cost() <= before) continue;
     Scene once(seed);
     once.move(10.0);
     Optimiser()(once.graph, once.newest(), 1, 1e-20);
@@ -129,12 +129,28 @@ TEST(Optimise, DampsAStepThatRaisesTheCostWithFixedPoints) {
     }
     const double before = scene.graph.linearise();
     test::set_steps(scene.graph, test::stored_problem(scene.graph).step());
-    if (scene.graph.cost_after_step() <= before) continue;
+    if (scene.graph.try_step().cost() <= before) continue;
     Optimiser(StepRule::kEvery)(every.graph, every.newest(), 2, 1e20);
     EXPECT_GT(every.graph.linearise(), before);
     Optimiser()(scene.graph, scene.newest(), 5, 1e-20);
     EXPECT_LT(scene.graph.linearise(), before);
     return;
+  }
+}
+
+// The next step would change residuals by about the tolerance; five times as much is allowed, since
+// the curvature of large residuals adds to it.
+TEST(Optimise, LeavesAboutItsTolerance) {
+  constexpr double kTolerance = 1e-3;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Scene scene(seed);
+    scene.move(1.0);
+    Graph& graph = scene.graph;
+    Optimiser()(graph, scene.newest(), 50, kTolerance);
+    const double before = graph.linearise();
+    test::set_steps(graph, test::dense_problem(graph).step());
+    const StepOutcome next = graph.try_step();
+    EXPECT_LT(before - next.cost(), next.cost_of(5.0 * kTolerance)) << "seed " << seed;
   }
 }
 
