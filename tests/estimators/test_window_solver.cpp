@@ -15,7 +15,7 @@ using test::relative_difference;
 std::unique_ptr<Estimator> window_with(WindowSolver solver, const Sequence& sequence,
                                        Configuration configuration) {
   configuration.window.frames = 10;
-  configuration.window.iterations = 30;
+  configuration.window.iterations = 100;
   configuration.window.linearisation_error = 0.0;  // Ceres goes on until nothing changes
   configuration.window.solver = solver;
   return make_window(make_setup(sequence, configuration), configuration.model,
