@@ -146,18 +146,21 @@ void Marginaliser::count_rows(const Graph& graph, const Leaving& leaving) {
 void Marginaliser::count_prior_rows(const Graph& graph) {
   const MarginalPrior& prior = graph.prior().active;
   first_from_.assign(static_cast<std::size_t>(prior.cols()) + 1, total_);
-  for (auto b = prior.blocks().rbegin(); b != prior.blocks().rend(); ++b) {
-    int start =
-        std::min(b->variable->column, first_from_[static_cast<std::size_t>(b->offset + b->dim())]);
+  const auto from = [&](int column) -> int& {
+    return first_from_[static_cast<std::size_t>(column)];
+  };
+  for (std::size_t k = prior.blocks().size(); k-- > 0;) {
+    const MarginalPrior::Block& b = prior.blocks()[k];
+    int start = std::min(b.variable->column, from(b.offset + b.dim()));
     for (std::size_t i = 0; i < local_count_; ++i) {
       if (!locals_[i].substitutes()) continue;
       const GraphLandmark& l = graph[locals_[i].departure().landmark];
-      if (l.y == b->variable->id || l.w == b->variable->id) {
+      if (l.y == b.variable->id || l.w == b.variable->id) {
         start = std::min(start, locals_[i].noise_column);
       }
     }
-    for (int k = 0; k < b->dim(); ++k) {
-      first_from_[static_cast<std::size_t>(b->offset + k)] = start;
+    for (int i = 0; i < b.dim(); ++i) {
+      from(b.offset + i) = start;
     }
   }
   for (const int start : prior.starts()) {
