@@ -37,10 +37,14 @@ Eigen::Vector2d pixel_change(const Variables& variables, const GraphLandmark& l,
          pixel.at.J_y * dx.head<3>();
 }
 
-// The step of the base; of the states after it by the chain's F and G.
+// The step of the base, and of the state after one that steps by dx.
 LandmarkVector base_step(const Variables& variables, const GraphLandmark& l) {
   if (!l.is_free()) return variables[l.y].step;
   return landmark_state(variables[l.y].step, variables[l.w].step);
+}
+
+LandmarkVector next_step(const ChainStep& step, const LandmarkVector& dx) {
+  return step.F.lazyProduct(dx) + step.G.lazyProduct(step.step);
 }
 
 }  // namespace
@@ -108,7 +112,7 @@ void Graph::try_step(const GraphLandmark& l, StepOutcome& outcome) const {
       const LandmarkVector noise = step.noise + step.step;
       outcome.square += noise.squaredNorm();
       x = models_.landmark->predict(x, step.dt) + step.G.lazyProduct(noise);
-      dx = (step.F.lazyProduct(dx) + step.G.lazyProduct(step.step)).eval();
+      dx = next_step(step, dx);
     }
     for (; pixel != l.pixels.end() && pixel->depth == depth; ++pixel) {
       if (pixel->valid) try_step(*pixel, l, x.head<3>(), dx, outcome);
@@ -167,8 +171,7 @@ void Graph::retract(GraphLandmark& l) {
   auto pixel = l.pixels.begin();
   for (int depth = 0; depth <= l.steps(); ++depth) {
     if (depth > 0) {
-      const ChainStep& step = l.chain[static_cast<std::size_t>(depth - 1)];
-      dx = (step.F.lazyProduct(dx) + step.G.lazyProduct(step.step)).eval();
+      dx = next_step(l.chain[static_cast<std::size_t>(depth - 1)], dx);
     }
     for (; pixel != l.pixels.end() && pixel->depth == depth; ++pixel) {
       pixel->at.r += pixel_change(variables, l, *pixel, dx);

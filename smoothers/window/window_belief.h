@@ -70,7 +70,6 @@ class Window final : public Belief {
   void depart(const WindowLandmark& landmark, const WindowFrame* oldest, bool is_pruned);
   void finish_departures();
   void find_inactive(const WindowFrame& oldest);
-  void release_anchors();
   void reactivate_measured();
 
   // window_landmarks.cpp: chains.

@@ -48,40 +48,6 @@ double Window::refresh_noises() {
   return change;
 }
 
-void Window::prepare(std::span<const int> tracks) const {
-  ids_.clear();
-  const VariableId newest = cameras_.newest().camera.position;
-  for (const int track : tracks) {
-    const LandmarkId id = landmarks_.at(track).id;
-    const GraphLandmark& l = graph_[id];
-    const bool is_new = l.birth.kind == BirthPrior::Kind::kKnown && l.anchor == newest &&
-                        l.pixels.empty();  // innovation_of_new()
-    if (!is_new) ids_.push_back(id);
-  }
-  optimiser_.equations().prepare(graph_, ids_);
-}
-
-// Joint covariance of the camera, the anchor and the newest state. Since the factorisation the
-// landmark may have become free, and its chain grown.
-JointMatrix Window::joint(const WindowLandmark& landmark) const {
-  const GraphLandmark& l = graph_[landmark.id];
-  JointMatrix P = optimiser_.equations().joint(landmark.id);
-  if (!l.is_free()) return P;
-  constexpr int kX = kCameraDim + 3;
-  const Eigen::Index before = P.rows(), dim = functions_.dim();
-  if (before < kX + dim) {
-    P.conservativeResizeLike(JointMatrix::Zero(kX + dim, kX + dim));
-    P.diagonal().tail(dim - 3) = l.w_sigmas.cwiseAbs2();
-  }
-  for (int i = optimiser_.equations().steps(landmark.id); i < l.steps(); ++i) {
-    const ChainStep& step = l.chain[static_cast<std::size_t>(i)];
-    P.bottomRows(dim) = (step.F * P.bottomRows(dim)).eval();
-    P.rightCols(dim) = (P.rightCols(dim) * step.F.transpose()).eval();
-    P.bottomRightCorner(dim, dim) += step.G * step.G.transpose();
-  }
-  return P;
-}
-
 // Cameras as they left the window, without covariances, which belong to that moment and are not
 // kept; then those still in it, converged, with theirs.
 std::vector<CameraEstimate> Window::smoothed() {
