@@ -34,6 +34,9 @@ function(slammot_compile_options target)
   endif()
   if(SLAMMOT_SANITIZE)
     target_compile_options(${target} PUBLIC -fsanitize=${SLAMMOT_SANITIZE} -fno-omit-frame-pointer)
+    # Under a sanitizer Eigen would pad what it allocates, and the Ceres of the system, which has no
+    # sanitizer, would free it without the padding.
+    target_compile_definitions(${target} PUBLIC EIGEN_MALLOC_ALREADY_ALIGNED=1)
     # The sanitizers call dlopen in our place, and their libraries see a program's path only if it is
     # an old-style one.
     target_link_options(${target} PUBLIC -fsanitize=${SLAMMOT_SANITIZE} LINKER:--disable-new-dtags)
