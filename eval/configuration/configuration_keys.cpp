@@ -20,6 +20,7 @@ struct Range {
 constexpr Range kPositive{[](double x) { return x > 0.0; }, "greater than 0"};
 constexpr Range kNotNegative{[](double x) { return x >= 0.0; }, "at least 0"};
 constexpr Range kFromMinusOne{[](double x) { return x >= -1.0; }, "at least -1"};
+constexpr Range kUpToOne{[](double x) { return x > 0.0 && x <= 1.0; }, "above 0 and at most 1"};
 constexpr Range kInsideUnit{[](double x) { return x > 0.0 && x < 1.0; }, "between 0 and 1"};
 
 template <typename T>
@@ -135,7 +136,7 @@ std::vector<ConfigurationKey> model_keys() {
              SLAMMOT_FIELD(model.landmark)),
       option<Collapse>("collapse", "on static, marginalise the velocity or use v = 0",
                        listed(kCollapses), SLAMMOT_FIELD(model.collapse)),
-      number("gate.probability", "of a correct measurement passing the gate", kInsideUnit,
+      number("gate.probability", "of a correct measurement passing the gate; 1: no gate", kUpToOne,
              SLAMMOT_FIELD(model.gate_probability)),
       choice("classifier", "who labels the landmarks", names_of(classifier_list()),
              SLAMMOT_FIELD(model.classifier.name)),

@@ -43,7 +43,9 @@ TEST(Configuration, ABadValueIsRefusedWithItsReason) {
   EXPECT_EQ(reason_of("window.frames=3.5"), "window.frames: '3.5' is not a whole number");
   EXPECT_EQ(reason_of("pixel_sigma=nan"), "pixel_sigma: 'nan' is not a finite number");
   EXPECT_EQ(reason_of("pixel_sigma=0"), "pixel_sigma: '0' must be greater than 0");
-  EXPECT_EQ(reason_of("gate.probability=1"), "gate.probability: '1' must be between 0 and 1");
+  EXPECT_EQ(reason_of("gate.probability=1"), "");  // no gate
+  EXPECT_EQ(reason_of("gate.probability=1.1"),
+            "gate.probability: '1.1' must be above 0 and at most 1");
   EXPECT_NE(reason_of("landmark=cube").find("is not one of inverse_depth, "), std::string::npos);
   EXPECT_NE(reason_of("pixel_sigma").find("key=value"), std::string::npos);
 }
