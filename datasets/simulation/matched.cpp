@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <stdexcept>
 
 #include "datasets/simulation/scene/random_stream.h"
 #include "models/camera_motion.h"
@@ -21,6 +22,8 @@ Parameters parameters(MatchedOptions& o) {
        {"acceleration", "sigma of the camera [m/s^2]", &o.motion.acceleration, kAbove0},
        {"angular_acceleration", "sigma of the camera [rad/s^2]", &o.motion.angular_acceleration,
         kAbove0},
+       {"impulse", "1: the camera's noise is an impulse of (v, omega) before each step; 0: white",
+        &o.impulse, 0},
        {"initial_speed", "forward, mean [m/s]", &o.initial.state.velocity.z(), -100},
        {"initial_position_sigma", "[m]", &o.initial.position_sigma, kAbove0},
        {"initial_rotation_sigma", "[rad]", &o.initial.rotation_sigma, kAbove0},
@@ -36,17 +39,31 @@ CameraState draw_first(const InitialCamera& initial, RandomStream& random) {
   return boxplus(initial.state, error);
 }
 
+CameraState after_white_noise(const StatedMotion& motion, const CameraState& x, double dt,
+                              RandomStream& random) {
+  const MotionNoise noise{motion.acceleration, motion.angular_acceleration,
+                          NoiseDiscretisation::kWhiteNoise};
+  const Matrix12d L = camera_noise(noise, x, dt).llt().matrixL();
+  const Vector12d w = L * random.normals<kCameraDim>();
+  return boxplus(predict(x, dt), w);
+}
+
+// (V, Omega) of Montiel et al. 2006 on the velocities, and then the step.
+CameraState after_impulse(const StatedMotion& motion, const CameraState& x, double dt,
+                          RandomStream& random) {
+  CameraState pushed = x;
+  pushed.velocity += motion.acceleration * dt * random.normals<3>();
+  pushed.angular_velocity += motion.angular_acceleration * dt * random.normals<3>();
+  return predict(pushed, dt);
+}
+
 std::vector<CameraState> draw_trajectory(const MatchedOptions& options, std::uint64_t seed) {
   RandomStream random(seed, "camera");
   const double dt = options.recording.dt();
-  const MotionNoise noise{options.motion.acceleration, options.motion.angular_acceleration,
-                          NoiseDiscretisation::kWhiteNoise};
+  const auto next = options.impulse == 1 ? &after_impulse : &after_white_noise;
   std::vector<CameraState> trajectory{draw_first(options.initial, random)};
   while (static_cast<int>(trajectory.size()) < options.recording.frames) {
-    const CameraState& x = trajectory.back();
-    const Matrix12d L = camera_noise(noise, x, dt).llt().matrixL();
-    const Vector12d w = L * random.normals<kCameraDim>();
-    trajectory.push_back(boxplus(predict(x, dt), w));
+    trajectory.push_back(next(options.motion, trajectory.back(), dt, random));
   }
   return trajectory;
 }
@@ -175,6 +192,7 @@ class MatchedScene {
 }  // namespace
 
 Sequence simulate_matched(const MatchedOptions& options, std::uint64_t seed) {
+  if (options.impulse > 1) throw std::invalid_argument("impulse: must be 0 or 1");
   MatchedScene scene(options, seed);
   for (const CameraState& camera : draw_trajectory(options, seed)) scene.add_frame(camera);
   return std::move(scene).result();

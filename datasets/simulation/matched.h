@@ -2,12 +2,13 @@
 // says what their NEES must be.
 //
 // The first camera is drawn around the stated one with the stated sigmas; then x' = f(x) [+] w,
-// w ~ N(0, Q) with white noise (camera_motion.h). A landmark is born at a pixel uniform in the
-// image, with inverse distance ~ N(rho0, sigma_rho^2); a moving one with velocity ~ N(0, sigma_v^2
-// I), sigma_v = max_speed / 2, and Wiener noise of its own (landmark.h) from then on. Those of
-// frame 0 are static, as the rule of the first frame has it. Pixel noise is Gaussian and selects
-// nothing: a landmark is seen while its noise-free pixel lies in the image, and once it has left it
-// never returns, because an estimator would start it anew from a prior that it no longer follows.
+// w ~ N(0, Q) with white noise, or an impulse before each step (camera_motion.h). A landmark is
+// born at a pixel uniform in the image, with inverse distance ~ N(rho0, sigma_rho^2); a moving one
+// with velocity ~ N(0, sigma_v^2 I), sigma_v = max_speed / 2, and Wiener noise of its own
+// (landmark.h) from then on. Those of frame 0 are static, as the rule of the first frame has it.
+// Pixel noise is Gaussian and selects nothing: a landmark is seen while its noise-free pixel lies
+// in the image, and once it has left it never returns, because an estimator would start it anew
+// from a prior that it no longer follows.
 #pragma once
 
 #include "datasets/simulation/scene/recording.h"
@@ -32,6 +33,7 @@ struct MatchedOptions {
   int visible = 30;              // landmarks in every frame
   int known = 6;                 // of them, in frame 0
   double known_sigma = 1e-3;     // [m]
+  int impulse = 0;               // the camera's noise: 1 as impulses, 0 as white noise
 };
 Parameters parameters(MatchedOptions& options);
 

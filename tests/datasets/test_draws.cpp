@@ -89,5 +89,29 @@ TEST(RandomStream, IsFixedAndNormal) {
   expect_normal(values, 0.0, 1.0);
 }
 
+// Montiel's noise: (v, omega) gains an impulse, and the step is taken with the gain.
+TEST(Draws, ImpulsesMoveTheCameraInTheirOwnStep) {
+  constexpr double kDt = 1.0 / 15.0;
+  std::vector<double> impulses;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Sequence s = simulate("model_matched", {{"impulse", "1"}, {"frames", "40"}}, seed);
+    for (size_t i = 1; i < s.truth.size(); ++i) {
+      CameraState x = *s.truth[i - 1];
+      const CameraState& y = *s.truth[i];
+      const Eigen::Vector3d V = y.velocity - x.velocity;
+      const Eigen::Vector3d Omega = y.angular_velocity - x.angular_velocity;
+      for (int axis = 0; axis < 3; ++axis) {
+        impulses.push_back(V(axis) / (1.0 * kDt));
+        impulses.push_back(Omega(axis) / (0.3 * kDt));
+      }
+      x.velocity += V;
+      x.angular_velocity += Omega;
+      EXPECT_LT(boxminus(y, predict(x, kDt)).norm(), 1e-12);
+    }
+  }
+  expect_normal(impulses, 0.0, 1.0);
+  EXPECT_THROW(simulate("model_matched", {{"impulse", "2"}}, 1), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace slammot
