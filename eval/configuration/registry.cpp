@@ -1,5 +1,7 @@
 #include "eval/configuration/registry.h"
 
+#include <stdexcept>
+
 #include "filters/ekf.h"
 #include "models/find_row.h"
 #include "smoothers/batch.h"
@@ -31,8 +33,9 @@ void true_labels(Configuration& c) {
   c.model.labels.rule = LabelRule::kOneWay;
 }
 // Covariances at the truth, with labels given and every measurement used: a probability of 1 opens
-// the gate, so that nothing of P depends on the estimates. Its prior is the stated one.
-void bound(Configuration& c) {
+// the gate, so that nothing of P depends on the estimates. Its prior is the stated one. This is no
+// Cramer-Rao bound: docs/consistency-background.md says what it is.
+void ideal_covariance(Configuration& c) {
   true_labels(c);
   c.model.gate_probability = 1.0;
   c.ekf.linearisation = FilterLinearisation::kIdeal;
@@ -50,8 +53,8 @@ constexpr EstimatorRow kTable[] = {
     {"static_world", "ekf, every landmark static", kFilter, false, all_static, ekf},
     {"delayed", "ekf, a landmark counts only once it is classified", kFilter, false, delayed, ekf},
     {"true_labels", "ekf, labels from the ground truth", kFilter, true, true_labels, ekf},
-    {"bound", "ekf linearised at the truth: the posterior Cramer-Rao bound", kBound, true, bound,
-     ekf},
+    {"ideal_covariance", "ekf linearised at the truth, labels given, no gate: its covariance",
+     kIdealCovariance, true, ideal_covariance, ekf},
 };
 
 // The options that estimators of this kind have.
@@ -64,13 +67,17 @@ bool linearised_at_the_truth(EstimatorKind kind, const Configuration& c) {
 }  // namespace
 
 std::string_view to_string(EstimatorKind kind) {
-  constexpr std::string_view kNames[] = {"filter", "smoother", "batch", "lower_bound"};
+  constexpr std::string_view kNames[] = {"filter", "smoother", "batch", "ideal_covariance"};
   return kNames[static_cast<size_t>(kind)];
 }
 
 std::span<const EstimatorRow> estimator_table() { return kTable; }
 
 const EstimatorRow& find_estimator(const std::string& name) {
+  if (name == "bound") {
+    throw std::invalid_argument(
+        "estimator 'bound' is called 'ideal_covariance' now: it is no bound");
+  }
   return find_row(estimator_table(), name, "estimator");
 }
 

@@ -11,9 +11,9 @@
 
 namespace slammot {
 
-// What an estimator is, and so what it is compared with. A bound states what an unbiased filter can
-// reach at best, and takes part in no comparison.
-enum class EstimatorKind { kFilter, kSmoother, kBatch, kBound };
+// What an estimator is, and so what it is compared with. An ideal covariance is what others are
+// measured against: it takes part in no comparison.
+enum class EstimatorKind { kFilter, kSmoother, kBatch, kIdealCovariance };
 
 std::string_view to_string(EstimatorKind kind);
 

@@ -1,6 +1,6 @@
 """The configurations of a study ranked by accuracy and consistency over all scenarios.
 
-Error ratio: position RMSE over the Cramér-Rao bound. Sigma ratio: the square root of ANEES over its degrees of freedom,
+Error ratio: position RMSE over the ideal sigma. Sigma ratio: the square root of ANEES over its degrees of freedom,
 or its inverse where that is larger than 1: by what factor the stated standard deviation is wrong. The cost in a scenario
 is the product of the two, that of a configuration the geometric mean over the scenarios. A factor of two in the error and
 one in the stated standard deviation therefore cost the same, and no scenario outweighs another.
@@ -9,17 +9,17 @@ import math
 from dataclasses import dataclass, field
 
 import numpy
-from study_tables import Table, is_bound, number, percent
+from study_tables import Table, is_ideal, number, percent
 
 POSE = 6  # degrees of freedom
 RESAMPLES = 2000
 FEWEST = 10  # runs from which an interval is given; a percentile bootstrap then covers 89% for its 95%
-RANKED = ("filter", "smoother")  # a batch is not: the bound is that of filtering
+RANKED = ("filter", "smoother")  # a batch is not: the ideal covariance is a filter's
 
 
 def ratios(cell):
     """Error ratio and sigma ratio; infinite where no run has a number."""
-    error = cell.get("rmse_over_bound", {}).get("position")
+    error = cell.get("rmse_over_ideal", {}).get("position")
     pose = cell.get("anees", {}).get("pose", {})
     mean_nees = pose.get("mean")
     if not error or not mean_nees or pose.get("infinite"):
@@ -73,16 +73,16 @@ def resampled_cost(cells, seeds, resampled):
     """The cost with the runs resampled: `resampled` has a row of places in `seeds` for each resample."""
     logarithm = numpy.zeros(len(resampled))
     for cell in cells:
-        runs = {r["seed"]: (r["position_rmse_m"] ** 2, r["bound_m"] ** 2, r["nees_pose"]) for r in cell["rmse_over_bound"]["runs"]}
-        error, bound, nees = numpy.array([runs[seed] for seed in seeds])[resampled].mean(axis=1).T
-        logarithm += 0.5 * numpy.log(error / bound) + 0.5 * numpy.abs(numpy.log(nees / POSE))
+        runs = {r["seed"]: (r["position_rmse_m"] ** 2, r["ideal_sigma_m"] ** 2, r["nees_pose"]) for r in cell["rmse_over_ideal"]["runs"]}
+        error, ideal, nees = numpy.array([runs[seed] for seed in seeds])[resampled].mean(axis=1).T
+        logarithm += 0.5 * numpy.log(error / ideal) + 0.5 * numpy.abs(numpy.log(nees / POSE))
     return numpy.exp(logarithm / len(cells))
 
 
 def cost_ratio(row, best):
     """95% bootstrap interval of the cost of one over that of another, with the same resamples of the seeds for both. None
     where a run diverged, which the cost does not contain, or with too few runs for such an interval."""
-    runs = [cell.get("rmse_over_bound", {}).get("runs", []) for cell in row.cells + best.cells]
+    runs = [cell.get("rmse_over_ideal", {}).get("runs", []) for cell in row.cells + best.cells]
     seeds = sorted({r["seed"] for of_cell in runs for r in of_cell})
     if row is best or len(seeds) < FEWEST or any(len(of_cell) < len(seeds) for of_cell in runs):
         return None
@@ -107,8 +107,8 @@ def configurations(summary):
 
 
 def ranking(summary):
-    """Best first. Empty without a bound in every group, or where there is nothing to choose from."""
-    if not all(any(is_bound(cell) for cell in group["cells"]) for group in summary["groups"]):
+    """Best first. Empty without an ideal covariance in every group, or where there is nothing to choose from."""
+    if not all(any(is_ideal(cell) for cell in group["cells"]) for group in summary["groups"]):
         return []
     rows = sorted((ranked(label, cells) for label, cells in configurations(summary).items()),
                   key=lambda r: (r.diverged / r.runs, r.cost))
@@ -150,7 +150,7 @@ def table(summary):
     return Table(
         "Ranking",
         f"{sentence(rows)} Ordered by the share of diverged runs, then by cost. Cost: error ratio times sigma ratio, geometric mean over the scenarios. "
-        "Error ratio: position RMSE over the Cramér-Rao bound, over the runs that did not diverge. Sigma ratio: √(ANEES/6) or its inverse, whichever "
+        "Error ratio: position RMSE over the ideal sigma, over the runs that did not diverge. Sigma ratio: √(ANEES/6) or its inverse, whichever "
         "is larger than 1. Cost ratio: to the recommended configuration of the same kind, 95% bootstrap interval (2000 resamples of the seeds), for at least "
         "ten runs of which none diverged. An interval that contains 1 does not separate the two. The recommended configuration was chosen "
         "after the fact among all of a kind, so its own cost is biased low. Interval coverage: frames whose pose ANEES lies in its 95% interval for "

@@ -3,7 +3,7 @@ import pathlib
 from dataclasses import dataclass
 
 from comparison import RUN_COLOURS, BadInput
-from study_tables import estimators_of, is_bound
+from study_tables import estimators_of, is_ideal
 
 FEWEST = 3  # landmarks that make a box
 
@@ -47,7 +47,7 @@ def colours(summary):
 
 
 def plotted(group):
-    return [cell for cell in group["cells"] if "per_frame" in cell and not is_bound(cell)]
+    return [cell for cell in group["cells"] if "per_frame" in cell and not is_ideal(cell)]
 
 
 def plotted_cells(summary):
@@ -55,8 +55,8 @@ def plotted_cells(summary):
     return [(group["name"], cell) for group in summary["groups"] for cell in plotted(group)]
 
 
-def bound_of(group):
-    return next((cell for cell in group["cells"] if is_bound(cell) and "per_frame" in cell), None)
+def ideal_of(group):
+    return next((cell for cell in group["cells"] if is_ideal(cell) and "per_frame" in cell), None)
 
 
 def grid(plt, rows, columns, width, height):
@@ -115,10 +115,10 @@ def camera_error(plt, summary):
     for group, (axis,), cells in rows:
         for place, (cell, style) in zip(centred(len(cells)), cells):
             camera_boxes(axis, cell, place, len(cells), style)
-        bound = bound_of(group)
-        if bound:
-            axis.plot(bound["per_frame"]["frame"], finite(bound["per_frame"]["position_sigma_m"]), color="black",
-                      linewidth=1, linestyle="--", label="Cramér-Rao bound (RMS)")
+        ideal = ideal_of(group)
+        if ideal:
+            axis.plot(ideal["per_frame"]["frame"], finite(ideal["per_frame"]["position_sigma_m"]), color="black",
+                      linewidth=1, linestyle="--", label="ideal sigma (RMS)")
         explain(axis, title=group["name"], xlabel="frame", ylabel="camera position error [m]", ylim=(0, None))
     return figure, ("Camera position error", "Boxes over the runs: median and quartiles, upper whisker at the 95% quantile (thesis figure 4.2a).")
 

@@ -9,10 +9,10 @@ import sys
 import ranking
 import study_figures
 import study_tables
-from comparison import BadInput, read_json
+from comparison import read_json
 from page import rendered, run_report
 
-FORMAT = "slammot-summary-1"
+FORMAT = "slammot-summary-2"
 
 
 def tables_of(summary):
@@ -38,8 +38,6 @@ def inline(png):
 def page(output):
     """The page; its figures and tables are written to folders beside it."""
     summary = read_json(output / "summary.json", FORMAT)
-    if "metrics" not in summary:
-        raise BadInput(f"{output / 'summary.json'}: of an earlier release; `slammot study STUDY --merge` writes it anew")
     view = read_json(output / "view.json") if (output / "view.json").is_file() else None
     tables = tables_of(summary)
     write_tables(tables, output / "tables")

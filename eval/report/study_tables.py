@@ -53,9 +53,9 @@ def percent(part, whole):
     return "–" if not whole else f"{100.0 * part / whole:.1f}%"
 
 
-def is_bound(cell):
-    """Of the Cramér-Rao bound, which estimates nothing and is compared with nothing."""
-    return cell["kind"] == "lower_bound"
+def is_ideal(cell):
+    """An ideal covariance estimates nothing and is compared with nothing."""
+    return cell["kind"] == "ideal_covariance"
 
 
 def cells_of(summary):
@@ -65,10 +65,10 @@ def cells_of(summary):
 
 
 def estimators_of(summary):
-    return [(group, cell) for group, cell in cells_of(summary) if not is_bound(cell)]
+    return [(group, cell) for group, cell in cells_of(summary) if not is_ideal(cell)]
 
 
-def bound_row(group, cell):
+def ideal_row(group, cell):
     """The standard deviation of the position, root mean square over the frames."""
     sigma = [s for s in cell.get("per_frame", {}).get("position_sigma_m", []) if s is not None]
     stated = math.sqrt(sum(s * s for s in sigma) / len(sigma)) if sigma else None
@@ -78,16 +78,16 @@ def bound_row(group, cell):
 def summary_table(summary):
     rows = []
     for group, cell in cells_of(summary):
-        if is_bound(cell):
-            rows.append(bound_row(group, cell))
+        if is_ideal(cell):
+            rows.append(ideal_row(group, cell))
             continue
         anees = cell.get("anees", {})
         pose = anees.get("pose", {})
-        bound = cell.get("rmse_over_bound", {})
+        over_ideal = cell.get("rmse_over_ideal", {})
         timing = cell.get("timing", {})
         rows.append([
             group["name"], cell["label"], str(cell["runs"]), str(len(cell["diverged"])), str(len(cell["lost"])),
-            with_interval(cell.get("filtered_position_rmse_m")), number(bound.get("position")), with_interval(bound.get("median")),
+            with_interval(cell.get("filtered_position_rmse_m")), number(over_ideal.get("position")), with_interval(over_ideal.get("median")),
             with_interval(cell.get("filtered_rotation_rmse_deg")),
             anees_mean(pose), percent(pose["inside"], 1) if pose.get("inside") is not None else "–",
             anees_mean(anees.get("position", {})),
@@ -98,12 +98,12 @@ def summary_table(summary):
         "Summary",
         "Over all runs; brackets: 95% bootstrap intervals over runs (2000 resamples). A run has diverged when its state is no longer finite, "
         "and has failed when its position error exceeds both 1 m and 10% of the path length. RMSE is over the runs that did not diverge. "
-        "RMSE over bound: ratio to the standard deviation of the posterior Cramér-Rao bound, over all runs and for the median run. "
+        "RMSE over ideal sigma: ratio to the standard deviation of the ideal covariance, over all runs and for the median run. "
         "ANEES is the NEES averaged over runs and frames; a consistent estimator has 6 (pose) and 3 (position). Interval coverage: frames "
         "whose ANEES lies in its two-sided 95% interval. NIS is of the accepted measurements; expected NIS is that of a consistent estimator "
-        "with the same gate. The row of a bound gives its standard deviation, for known labels and the same track policy; a biased estimator "
-        "can have a smaller error. The filtered values of a batch are those of its front window; its own are the smoothed ones.",
-        ["scenario", "estimator", "runs", "diverged", "failed", "position RMSE [m]", "RMSE over bound", "RMSE over bound, median run", "rotation RMSE [deg]",
+        "with the same gate. The row of an ideal covariance gives its standard deviation: that of an EKF linearised at the truth, "
+        "with known labels, the fixed depth prior and no gate. It is no bound, and an estimator can have a smaller error. The filtered values of a batch are those of its front window; its own are the smoothed ones.",
+        ["scenario", "estimator", "runs", "diverged", "failed", "position RMSE [m]", "RMSE over ideal sigma", "RMSE over ideal sigma, median run", "rotation RMSE [deg]",
          "ANEES pose", "interval coverage", "ANEES position", "NIS", "expected NIS", "smoothed RMSE [m]", "time per frame [ms]"], rows)
 
 

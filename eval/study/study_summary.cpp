@@ -75,38 +75,37 @@ Json pair_json(const Finished& a, const Finished& b) {
 
 double median_of(const std::vector<double>& samples) { return median(samples); }
 
-// The RMSE of each run over the standard deviation of the bound for its seed. A few failed runs can
-// dominate the RMSE of all runs; the median describes a typical one.
-Json over_bound(const Finished& cell, const Finished& bound) {
-  std::vector<double> ratios, errors, bounds;
+// The RMSE of each run over the ideal sigma for its seed. A few failed runs can dominate the RMSE
+// of all runs; the median describes a typical one.
+Json over_ideal(const Finished& cell, const Finished& ideal) {
+  std::vector<double> ratios, errors, sigmas;
   Json runs = Json::array();
   for (const auto& [seed, rmse] : cell.position_rmse) {
-    const auto sigma = bound.stated_sigma.find(seed);
-    if (sigma == bound.stated_sigma.end() || !std::isfinite(rmse)) continue;
+    const auto sigma = ideal.stated_sigma.find(seed);
+    if (sigma == ideal.stated_sigma.end() || !std::isfinite(rmse)) continue;
     ratios.push_back(rmse / sigma->second);
     errors.push_back(rmse);
-    bounds.push_back(sigma->second);
+    sigmas.push_back(sigma->second);
     runs.push_back({{"seed", seed},
                     {"position_rmse_m", rmse},
-                    {"bound_m", sigma->second},
+                    {"ideal_sigma_m", sigma->second},
                     {"nees_pose", cell.pose_nees.at(seed)}});
   }
   return {{"runs", runs},
-          {"position", root_mean_square(errors) / root_mean_square(bounds)},
+          {"position", root_mean_square(errors) / root_mean_square(sigmas)},
           {"median", json_of(bootstrap(ratios, median_of))}};
 }
 
-// A bound takes part in no comparison.
-bool is_bound(const Finished& cell) { return cell.kind == EstimatorKind::kBound; }
+bool is_ideal(const Finished& cell) { return cell.kind == EstimatorKind::kIdealCovariance; }
 
-void add_bound(std::vector<Finished>& cells) {
-  for (const Finished& bound : cells) {
-    if (!is_bound(bound) || !bound.json.contains("per_frame")) continue;
+void add_ideal(std::vector<Finished>& cells) {
+  for (const Finished& ideal : cells) {
+    if (!is_ideal(ideal) || !ideal.json.contains("per_frame")) continue;
     for (Finished& cell : cells) {
-      // Nor a batch's, which has smoothed: this bound is that of filtering.
+      // Not a batch's, which has smoothed: this covariance is a filter's.
       const bool filters = !cell.json.contains("smoothed_anees");
-      if (is_bound(cell) || !cell.json.contains("per_frame") || !filters) continue;
-      cell.json["rmse_over_bound"] = over_bound(cell, bound);
+      if (is_ideal(cell) || !cell.json.contains("per_frame") || !filters) continue;
+      cell.json["rmse_over_ideal"] = over_ideal(cell, ideal);
     }
   }
 }
@@ -115,12 +114,12 @@ Json group_json(const StudyCell& first, std::vector<Finished> cells) {
   Json group = {{"name", first.group}, {"scenario", first.scenario}, {"scene", first.scene}};
   group["sweep"] = Json::object();
   for (const auto& [key, value] : first.sweep) group["sweep"][key] = value;
-  add_bound(cells);
+  add_ideal(cells);
   group["cells"] = Json::array();
   group["pairs"] = Json::array();
   for (std::size_t a = 0; a < cells.size(); ++a) {
     for (std::size_t b = a + 1; b < cells.size(); ++b) {
-      if (is_bound(cells[a]) || is_bound(cells[b])) continue;
+      if (is_ideal(cells[a]) || is_ideal(cells[b])) continue;
       group["pairs"].push_back(pair_json(cells[a], cells[b]));
     }
   }
@@ -129,7 +128,7 @@ Json group_json(const StudyCell& first, std::vector<Finished> cells) {
 }
 
 Json heading(const Study& study) {
-  Json json = {{"format", "slammot-summary-1"},
+  Json json = {{"format", "slammot-summary-2"},
                {"version", SLAMMOT_VERSION},
                {"name", study.name},
                {"title", study.title},

@@ -83,7 +83,7 @@ Json study_view(const Study& study) {
     if (enough || cell.group != study.cells.front().group) break;
     const EstimatorKind kind = find_estimator(cell.estimator).kind;
     const bool by_frame = kind == EstimatorKind::kFilter || kind == EstimatorKind::kSmoother;
-    if (!by_frame) continue;  // a batch has no estimate per frame, a bound no labels
+    if (!by_frame) continue;  // a batch has no estimate per frame, an ideal covariance none
     json["runs"].push_back(run_json(study, cell));
   }
   return json;

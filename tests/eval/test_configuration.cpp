@@ -157,6 +157,12 @@ TEST(Registry, NamesAreKnownAndAdjustTheConfiguration) {
     EXPECT_EQ(find_estimator(name).name, name);
   }
   EXPECT_THROW(find_estimator("kalman"), std::invalid_argument);
+  try {
+    find_estimator("bound");  // its name until release 0.1, which claimed too much
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("ideal_covariance"), std::string::npos);
+  }
   Configuration configuration;
   find_estimator("static_world").adjust(configuration);
   EXPECT_EQ(configuration.model.classifier.name, "all_static");
@@ -169,14 +175,14 @@ TEST(Registry, NamesAreKnownAndAdjustTheConfiguration) {
 TEST(Registry, KindsAndOracles) {
   EXPECT_EQ(find_estimator("window").kind, EstimatorKind::kSmoother);
   EXPECT_EQ(find_estimator("delayed").kind, EstimatorKind::kFilter);
-  EXPECT_EQ(find_estimator("bound").kind, EstimatorKind::kBound);
+  EXPECT_EQ(find_estimator("ideal_covariance").kind, EstimatorKind::kIdealCovariance);
   Configuration configuration;
   const auto oracle = [&](const char* name) {
     return is_oracle(find_estimator(name), configuration);
   };
   EXPECT_FALSE(oracle("ekf"));
   EXPECT_TRUE(oracle("true_labels"));
-  EXPECT_TRUE(oracle("bound"));
+  EXPECT_TRUE(oracle("ideal_covariance"));
   configuration.ekf.linearisation = FilterLinearisation::kIdeal;
   EXPECT_TRUE(oracle("delayed"));
   EXPECT_FALSE(oracle("window"));
@@ -188,14 +194,15 @@ TEST(Registry, KindsAndOracles) {
   EXPECT_FALSE(oracle("static_world"));  // it labels by itself
 }
 
-TEST(Registry, TheBoundHasThePriorThatIsStated) {
+TEST(Registry, TheIdealCovarianceHasThePriorThatIsStated) {
   const Sequence sequence = simulate("circle", {{"frames", "3"}}, 1);
   for (const char* mean_sigma : {"sequence", "0.1"}) {
     Configuration configuration;
     assign(configuration, {"prior.mean_sigma", mean_sigma});
-    const Configuration bound = effective_configuration(sequence, configuration, "bound");
-    EXPECT_EQ(bound.model.depth_prior, DepthPriorSource::kFixed);
-    EXPECT_EQ(make_setup(sequence, bound).prior.mean_sigma, 0.0);
+    const Configuration ideal =
+        effective_configuration(sequence, configuration, "ideal_covariance");
+    EXPECT_EQ(ideal.model.depth_prior, DepthPriorSource::kFixed);
+    EXPECT_EQ(make_setup(sequence, ideal).prior.mean_sigma, 0.0);
     EXPECT_GT(effective_configuration(sequence, configuration, "ekf").prior.mean_sigma, 0.0);
   }
 }

@@ -12,16 +12,16 @@ def cell(label, error, anees, kind="filter", diverged=0, oracle=False):
             "configuration": {}, "timing": {"frame_median_ms": 1.0}}
     if error is not None:
         squares = [0.55 + 0.1 * i for i in range(10)]  # of a run's error over that of all; their mean is 1
-        runs = [{"seed": i + 1, "position_rmse_m": 0.1 * error * s ** 0.5, "bound_m": 0.1, "nees_pose": anees} for i, s in enumerate(squares)]
-        made.update({"rmse_over_bound": {"position": error, "runs": runs}, "anees": {"pose": {"mean": anees, "inside": 0.5}},
+        runs = [{"seed": i + 1, "position_rmse_m": 0.1 * error * s ** 0.5, "ideal_sigma_m": 0.1, "nees_pose": anees} for i, s in enumerate(squares)]
+        made.update({"rmse_over_ideal": {"position": error, "runs": runs}, "anees": {"pose": {"mean": anees, "inside": 0.5}},
                      "static_often_seen": [8, 1, 1], "moving_often_seen": [10, 0, 0]})
     return made
 
 
 def group(name, cells, **sweep):
-    bound = cell("bound", None, None, "lower_bound")
+    ideal = cell("ideal_covariance", None, None, "ideal_covariance")
     return {"name": name, "scenario": name, "sweep": {k.replace("scenario_", "scenario."): v for k, v in sweep.items()},
-            "cells": cells + [bound]}
+            "cells": cells + [ideal]}
 
 
 def ranked(*groups):
@@ -79,7 +79,7 @@ class Ranking(unittest.TestCase):
 
     def test_runs_in_which_now_one_and_now_the_other_is_better_do_not_tell(self):
         best, other = ranked(group("a", [cell("best", 1.0, 6.0), cell("other", 1.01, 6.0)]))
-        runs = other.cells[0]["rmse_over_bound"]["runs"]
+        runs = other.cells[0]["rmse_over_ideal"]["runs"]
         for seed, run in zip(range(10, 0, -1), runs):
             run["seed"] = seed
         lower, upper = ranking.cost_ratio(other, best)
@@ -88,12 +88,12 @@ class Ranking(unittest.TestCase):
 
     def test_no_interval_with_few_runs_or_one_that_diverged(self):
         best, other = ranked(group("a", [cell("best", 1.0, 6.0), cell("other", 1.3, 6.0)]))
-        other.cells[0]["rmse_over_bound"]["runs"].pop()
+        other.cells[0]["rmse_over_ideal"]["runs"].pop()
         self.assertIsNone(ranking.cost_ratio(other, best))
-        best.cells[0]["rmse_over_bound"]["runs"].pop()
+        best.cells[0]["rmse_over_ideal"]["runs"].pop()
         self.assertIsNone(ranking.cost_ratio(other, best))
 
-    def test_a_batch_is_not_ranked_and_without_a_bound_nothing_is(self):
+    def test_a_batch_is_not_ranked_and_without_an_ideal_covariance_nothing_is(self):
         cells = [cell("x", 1.0, 6.0), cell("y", 2.0, 6.0), cell("batch", 1.0, 6.0, "batch")]
         self.assertEqual([r.label for r in ranked(group("a", cells))], ["x", "y"])
         self.assertEqual(ranking.ranking({"groups": [{"name": "a", "sweep": {}, "cells": cells}]}), [])

@@ -51,11 +51,11 @@ class Summary : public testing::Test {
     folder_ =
         std::filesystem::temp_directory_path() / ("slammot-summary-" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder_);
-    for (const char* label : {"honest", "overconfident", "bound"}) {
+    for (const char* label : {"honest", "overconfident", "ideal_covariance"}) {
       StudyCell cell;
       cell.group = "g";
       cell.label = label;
-      cell.estimator = cell.label == "bound" ? "bound" : "ekf";
+      cell.estimator = cell.label == "ideal_covariance" ? cell.label : "ekf";
       study_.cells.push_back(cell);
     }
     study_.runs = kRuns;
@@ -70,7 +70,7 @@ class Summary : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   // Errors of 0.1 m a component; what is stated is that (honest), a half (overconfident), or 0.08
-  // (bound). Run 7 of the overconfident one diverges.
+  // (ideal_covariance). Run 7 of the overconfident one diverges.
   Json made_run(int cell, int run) {
     std::mt19937_64 engine(static_cast<unsigned>(run + 1));
     std::normal_distribution<double> normal;
@@ -151,10 +151,10 @@ TEST_F(Summary, SaysWhatTheRunsSay) {
   EXPECT_EQ(overconfident["anees"]["pose"]["inside"].get<double>(), 0.0);
   EXPECT_EQ(honest["static"], Json({400, 50, 50}));
   EXPECT_NEAR(honest["filtered_position_rmse_m"]["value"].get<double>(), std::sqrt(0.03), 0.003);
-  EXPECT_NEAR(honest["rmse_over_bound"]["position"].get<double>(), 0.1 / 0.08, 0.02);
+  EXPECT_NEAR(honest["rmse_over_ideal"]["position"].get<double>(), 0.1 / 0.08, 0.02);
   double nees = 0.0;
-  for (const Json& run : honest["rmse_over_bound"]["runs"]) nees += run["nees_pose"].get<double>();
-  EXPECT_NEAR(nees / static_cast<double>(honest["rmse_over_bound"]["runs"].size()),
+  for (const Json& run : honest["rmse_over_ideal"]["runs"]) nees += run["nees_pose"].get<double>();
+  EXPECT_NEAR(nees / static_cast<double>(honest["rmse_over_ideal"]["runs"].size()),
               honest["anees"]["pose"]["mean"].get<double>(), 1e-6);
   const Json& age = honest["by_age"][0];
   EXPECT_EQ(age["static_position_m"]["median"].get<double>(), 0.2);
@@ -185,7 +185,7 @@ TEST_F(Summary, ADivergedRunIsNamedAndLoses) {
   ASSERT_EQ(group["cells"][1]["diverged"].size(), 1u);
   EXPECT_EQ(group["cells"][1]["diverged"][0]["seed"], 7);
   EXPECT_EQ(group["cells"][1]["filtered_position_rmse_m"]["runs"], kRuns - 1);
-  ASSERT_EQ(group["pairs"].size(), 1u);  // the bound takes part in none
+  ASSERT_EQ(group["pairs"].size(), 1u);  // the ideal covariance takes part in none
   const Json& pair = group["pairs"][0];
   EXPECT_EQ(pair["wins_a"], kRuns);
   EXPECT_EQ(pair["wins_b"], 0);

@@ -71,14 +71,14 @@ TEST(Linearisation, UnknownNamesAndAMissingTruthAreRefused) {
   EXPECT_THROW(run_estimator(sequence, configuration, "ekf"), std::invalid_argument);
 }
 
-// The Cramer-Rao bound of a scene is the same whatever the noise of its pixels was.
-TEST(Bound, DoesNotDependOnTheMeasurements) {
+// The ideal covariance of a scene is the same whatever the noise of its pixels was.
+TEST(IdealCovariance, DoesNotDependOnTheMeasurements) {
   Configuration configuration;
   configuration.pixel_sigma = 1.0;
   const auto run = [&](const char* noise) {
     const Sequence sequence = simulate("circle", {{"frames", "80"}, {"noise", noise}}, 3);
-    const RunResult result = run_estimator(sequence, configuration, "bound");
-    const Configuration used = effective_configuration(sequence, configuration, "bound");
+    const RunResult result = run_estimator(sequence, configuration, "ideal_covariance");
+    const Configuration used = effective_configuration(sequence, configuration, "ideal_covariance");
     EXPECT_EQ(compute_metrics(sequence, result, used.model.gate_probability).nis.expected, 2.0);
     return result;
   };
