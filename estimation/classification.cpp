@@ -73,19 +73,19 @@ class BayesFactorClassifier final : public Classifier {
 // The whole world is static: monocular SLAM as it was before the thesis.
 class AllStaticClassifier final : public Classifier {
  public:
-  Label at_birth(int, bool) const override { return Label::kStatic; }
+  Label at_birth(int) const override { return Label::kStatic; }
   Label decide(const MotionBelief&) const override { return Label::kStatic; }
 };
 
-// The labels of the ground truth, at birth; without truth a landmark stays unknown.
+// The labels of the ground truth, at birth; without truth a landmark is never decided.
 class TruthClassifier final : public Classifier {
  public:
   explicit TruthClassifier(const std::map<int, Label>& truth) : truth_(truth) {}
-  Label at_birth(int track, bool) const override {
+  Label at_birth(int track) const override {
     const auto it = truth_.find(track);
     return it == truth_.end() ? Label::kUnknown : it->second;
   }
-  Label decide(const MotionBelief& belief) const override { return at_birth(belief.track, false); }
+  Label decide(const MotionBelief& belief) const override { return at_birth(belief.track); }
 
  private:
   std::map<int, Label> truth_;

@@ -35,10 +35,8 @@ double mahalanobis_from_zero(const MotionVector& mean, const MotionMatrix& covar
 class Classifier {
  public:
   virtual ~Classifier() = default;
-  // A landmark of the first frame is static, later ones are unknown (thesis, figure 4.5 frame 10).
-  virtual Label at_birth(int /*track*/, bool first_frame) const {
-    return first_frame ? Label::kStatic : Label::kUnknown;
-  }
+  // A label that needs no measurement; unknown where there is none (thesis 3.1.3).
+  virtual Label at_birth(int /*track*/) const { return Label::kUnknown; }
   // The label of a landmark that is unknown so far.
   virtual Label decide(const MotionBelief& belief) const = 0;
 };

@@ -45,9 +45,9 @@ struct CameraEstimate {
 struct LandmarkEstimate {
   int track = 0;
   Label label = Label::kUnknown;
-  bool from_first_frame = false;  // labelled static by rule, not by classification
-  int first_frame = 0;            // frame indices, as in Frame::index
-  int last_frame = 0;             // of the newest measurement used
+  bool by_rule = false;  // known, or static because it was in the first frame: nothing was decided
+  int first_frame = 0;   // frame indices, as in Frame::index
+  int last_frame = 0;    // of the newest measurement used
   std::optional<int> decision_frame;
   std::optional<int> state_frame;  // of position and velocity, where it is not the newest frame
   int observations = 0;            // measurements used, the first one included

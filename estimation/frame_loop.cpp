@@ -1,47 +1,97 @@
 #include "estimation/frame_loop.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace slammot {
 
-FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, std::unique_ptr<Belief> belief,
+namespace {
+
+// In one frame, so that its time is bounded. What is still wrong waits for the next.
+constexpr int kMostRevisions = 10;
+
+}  // namespace
+
+FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, MakeBelief make_belief,
                      std::shared_ptr<const Truth> truth_for_view)
-    : belief_(std::move(belief)),
-      manager_(setup, models, std::move(truth_for_view)),
-      gate_(models.gate_probability, setup.pixel_sigma) {}
+    : setup_(setup),
+      models_(models),
+      make_belief_(std::move(make_belief)),
+      truth_for_view_(std::move(truth_for_view)),
+      first_(models.labels),
+      gate_(models.gate_probability, setup.pixel_sigma) {
+  start();
+}
+
+void FrameLoop::start() {
+  belief_ = make_belief_();
+  manager_ = std::make_unique<LandmarkManager>(setup_, models_, first_, truth_for_view_);
+  timestamp_.reset();
+}
 
 FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
+  if (timestamp_ && !(frame.timestamp > *timestamp_)) {
+    throw std::invalid_argument("the time of a frame must be later than that of the one before");
+  }
+  first_.begin(frame);
+  if (first_.frames().empty()) return advance(frame, stages);
+  const TrackRecords before = manager_->records();
+  FrameReport report = advance(frame, stages);
+  for (int k = 0; k < kMostRevisions && first_.revise(manager_->records()); ++k) {
+    report = start_over(before, stages);
+  }
+  return report;
+}
+
+// What is reported of the frames before is the end of those landmarks that were in the state
+// `before`.
+FrameReport FrameLoop::start_over(const TrackRecords& before, StageListener& stages) {
+  start();
+  FrameReport report;
+  std::vector<LandmarkEstimate> retired;
+  for (const Frame& frame : first_.frames()) {
+    const bool is_newest = &frame == &first_.frames().back();
+    report = advance(frame, stages);
+    std::ranges::copy_if(report.retired, std::back_inserter(retired), [&](const auto& landmark) {
+      return is_newest || before.contains(landmark.track);
+    });
+  }
+  report.retired = std::move(retired);
+  return report;
+}
+
+FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   FrameReport report;
   stages.begin("predict");
-  manager_.retire_leaving(*belief_, report);
+  manager_->retire_leaving(*belief_, report);
   belief_->predict(frame, time_since_last(frame));
-  manager_.add_known(frame, *belief_, report);
+  manager_->add_known(frame, *belief_, report);
 
   stages.begin("gate");
   gate(frame, report);
 
   stages.begin("update");
-  belief_->update(manager_.records(), accepted_, stages);
+  belief_->update(manager_->records(), accepted_, stages);
 
   // Before labels change: these are marginals of the update.
   stages.begin("marginals");
-  if (manager_.watches_innovations()) {
+  if (manager_->watches_innovations()) {
     belief_->leave_one_out(given_others_);
-    manager_.note_innovations(given_others_);
-    manager_.note_innovations(rejected_);
+    manager_->note_innovations(given_others_);
+    manager_->note_innovations(rejected_);
   }
-  manager_.learn_depths(accepted_, *belief_);
+  manager_->learn_depths(accepted_, *belief_);
 
   stages.begin("classify");
-  manager_.record(frame.index, accepted_, rejected_, out_of_view_);
-  const std::vector<int>& now_static = manager_.classify(frame.index, accepted_, *belief_);
+  manager_->record(frame.index, accepted_, rejected_, out_of_view_);
+  const std::vector<int>& now_static = manager_->classify(frame.index, accepted_, *belief_);
   stages.begin("collapse");
   if (!now_static.empty()) belief_->collapse(now_static);
-  manager_.revert_labels(in_view_, *belief_);
+  manager_->revert_labels(in_view_, *belief_);
 
   stages.begin("manage");
-  manager_.prune(frame.index, *belief_, report);
-  manager_.initialise_new(frame, *belief_, report);
+  manager_->prune(frame.index, *belief_, report);
+  manager_->initialise_new(frame, *belief_, report);
   belief_->finish();
 
   // Of what the frame leaves behind, like the size of the state.
@@ -53,9 +103,6 @@ FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
 }
 
 double FrameLoop::time_since_last(const Frame& frame) {
-  if (timestamp_ && !(frame.timestamp > *timestamp_)) {
-    throw std::invalid_argument("the time of a frame must be later than that of the one before");
-  }
   const double dt = timestamp_ ? frame.timestamp - *timestamp_ : 0.0;
   timestamp_ = frame.timestamp;
   return dt;
@@ -69,7 +116,7 @@ void FrameLoop::gate(const Frame& frame, FrameReport& report) {
   rejected_.clear();
   out_of_view_.clear();
   for (const Observation& z : frame.observations) {
-    if (manager_.knows(z.track)) measured_.push_back(z);
+    if (manager_->knows(z.track)) measured_.push_back(z);
   }
   belief_->innovations(measured_, innovations_);
   for (const PixelInnovation& innovation : innovations_) {
@@ -103,16 +150,16 @@ CameraEstimate FrameLoop::camera() const {
 
 std::vector<LandmarkEstimate> FrameLoop::landmarks() const {
   std::vector<int> tracks;
-  for (const auto& [track, record] : manager_.records()) tracks.push_back(track);
-  return manager_.estimates(tracks, *belief_);
+  for (const auto& [track, record] : manager_->records()) tracks.push_back(track);
+  return manager_->estimates(tracks, *belief_);
 }
 
 std::vector<LandmarkEstimate> FrameLoop::landmarks_measured(int index) const {
   std::vector<int> tracks;
-  for (const auto& [track, record] : manager_.records()) {
+  for (const auto& [track, record] : manager_->records()) {
     if (record.last_frame == index) tracks.push_back(track);
   }
-  return manager_.estimates(tracks, *belief_);
+  return manager_->estimates(tracks, *belief_);
 }
 
 }  // namespace slammot

@@ -5,16 +5,22 @@
 // marginals, classify, collapse, manage.
 #pragma once
 
+#include <functional>
+
 #include "estimation/belief.h"
 #include "estimation/gate.h"
 #include "estimation/landmark_manager.h"
 
 namespace slammot {
 
+// Makes the belief before the first frame.
+using MakeBelief = std::function<std::unique_ptr<Belief>()>;
+
 class FrameLoop final : public Estimator {
  public:
-  // `truth_for_view`: see LandmarkManager. Throws std::invalid_argument as that does.
-  FrameLoop(const Setup& setup, const ModelOptions& models, std::unique_ptr<Belief> belief,
+  // `make_belief`: called anew when the run starts over (first_frame.h). `truth_for_view`: see
+  // LandmarkManager. Throws std::invalid_argument as that does.
+  FrameLoop(const Setup& setup, const ModelOptions& models, MakeBelief make_belief,
             std::shared_ptr<const Truth> truth_for_view = nullptr);
 
   FrameReport process(const Frame& frame, StageListener& stages) override;
@@ -25,15 +31,25 @@ class FrameLoop final : public Estimator {
     return belief_->smoothed();
   }
 
-  const TrackRecords& records() const { return manager_.records(); }
+  const TrackRecords& records() const { return manager_->records(); }
 
  private:
+  void start();
+  FrameReport start_over(const TrackRecords& before, StageListener& stages);
+  FrameReport advance(const Frame& frame, StageListener& stages);
   double time_since_last(const Frame& frame);
   void gate(const Frame& frame, FrameReport& report);
 
-  std::unique_ptr<Belief> belief_;
-  LandmarkManager manager_;
+  Setup setup_;
+  ModelOptions models_;
+  MakeBelief make_belief_;
+  std::shared_ptr<const Truth> truth_for_view_;
+  FirstFrame first_;
   PixelGate gate_;
+
+  // Made anew when the run starts over.
+  std::unique_ptr<Belief> belief_;
+  std::unique_ptr<LandmarkManager> manager_;
   std::optional<double> timestamp_;
 
   // Of the frame in hand; kept for their memory.

@@ -30,11 +30,15 @@ void note_innovation(TrackRecord& record, double nis, const LabelOptions& option
   kept.push_back(nis);
 }
 
+double log_tail(const TrackRecord& record) {
+  const std::vector<double>& nis = record.static_nis;
+  return log_chi_square_tail(std::accumulate(nis.begin(), nis.end(), 0.0),
+                             static_cast<int>(nis.size()));
+}
+
 bool is_rejected(const TrackRecord& record, const LabelOptions& options) {
-  const auto n = static_cast<int>(record.static_nis.size());
-  if (n < 2) return false;  // a single outlier is the gate's business
-  const double sum = std::accumulate(record.static_nis.begin(), record.static_nis.end(), 0.0);
-  return chi_square_tail(sum, n) < options.probability;
+  if (record.static_nis.size() < 2) return false;  // a single outlier is the gate's business
+  return log_tail(record) < std::log(options.probability);
 }
 
 void note_reverted(TrackRecord& record) {
@@ -44,13 +48,13 @@ void note_reverted(TrackRecord& record) {
   record.static_nis.clear();
 }
 
-double chi_square_tail(double x, int n) {
-  double term = std::exp(-0.5 * x), sum = 0.0;
+double log_chi_square_tail(double x, int n) {
+  double term = 1.0, sum = 0.0;
   for (int k = 0; k < n; ++k) {
     sum += term;
     term *= 0.5 * x / (k + 1);
   }
-  return sum;
+  return -0.5 * x + std::log(sum);
 }
 
 }  // namespace slammot

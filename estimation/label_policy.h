@@ -24,14 +24,17 @@ bool watches_innovations(const LabelOptions& options);
 // that did not pass the gate, that of its innovation. One known beforehand stays static.
 void note_innovation(TrackRecord& record, double nis, const LabelOptions& options);
 
-// Whether the latest innovations reject that it is static: were it, each NIS would be
-// chi-square(2), and their sum over n frames chi-square(2n).
+// The logarithm of the probability that the latest innovations of a static landmark are as large
+// as they are: each NIS is chi-square(2), and their sum over n frames chi-square(2n).
+double log_tail(const TrackRecord& record);
+
+// Whether they reject that it is static.
 bool is_rejected(const TrackRecord& record, const LabelOptions& options);
 
 // Static no more: unknown, as at its birth.
 void note_reverted(TrackRecord& record);
 
-// P(chi-square(2n) > x) = exp(-x/2) sum_{k<n} (x/2)^k / k!, exact for even degrees of freedom.
-double chi_square_tail(double x, int n);
+// log P(chi-square(2n) > x) = -x/2 + log sum_{k<n} (x/2)^k / k!, exact for even degrees of freedom.
+double log_chi_square_tail(double x, int n);
 
 }  // namespace slammot

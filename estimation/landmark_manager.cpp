@@ -5,7 +5,7 @@
 
 namespace slammot {
 
-LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
+LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models, FirstFrame& first,
                                  std::shared_ptr<const Truth> truth_for_view)
     : setup_(setup),
       models_(models),
@@ -13,7 +13,8 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
       classifier_(
           make_classifier(classifier_for(functions_, models.classifier), setup.true_labels)),
       depth_prior_(learns_depths(models.depth_prior, !setup.known.empty()), setup.prior),
-      truth_(std::move(truth_for_view)) {
+      truth_(std::move(truth_for_view)),
+      first_(first) {
   for (const KnownLandmark& known : setup.known) known_[known.track] = known;
 }
 
@@ -42,8 +43,8 @@ void LandmarkManager::add_known(const Frame& frame, Belief& belief, FrameReport&
     if (known == known_.end() || knows(z.track)) continue;
     belief.add_known(known->second);
     TrackRecord& record = records_[z.track] =
-        initialised(z.track, frame.index, Label::kStatic, true, setup_.prior);
-    record.known = true;
+        initialised(z.track, frame.index, Label::kStatic, setup_.prior);
+    record.known = record.by_rule = true;
     record.observations = 0;
     known_.erase(known);
     ++report.admitted;
@@ -99,7 +100,7 @@ const std::vector<int>& LandmarkManager::classify(int frame, std::span<const Obs
 void LandmarkManager::revert_labels(std::span<const Observation> measured, Belief& belief) {
   for (const Observation& z : measured) {
     TrackRecord& record = records_.at(z.track);
-    if (!is_rejected(record, models_.labels)) continue;
+    if (!is_rejected(record, models_.labels) || first_.holds(record)) continue;
     note_reverted(record);
     belief.free(z.track, record.prior);
   }
@@ -135,9 +136,17 @@ void LandmarkManager::prune(int frame, Belief& belief, FrameReport& report) {
   remove(belief, report);
 }
 
-Label LandmarkManager::label_at_birth(int track, bool first_frame) const {
+TrackRecord LandmarkManager::record_at_birth(int track, int frame, const LandmarkPrior& prior) {
   const auto left = labels_left_.find(track);
-  return left != labels_left_.end() ? left->second : classifier_->at_birth(track, first_frame);
+  if (left != labels_left_.end()) return initialised(track, frame, left->second, prior);
+  const Label given = classifier_->at_birth(track);
+  if (given != Label::kUnknown || frame != first_frame_) {
+    return initialised(track, frame, given, prior);
+  }
+  TrackRecord record = initialised(track, frame, first_.label(track), prior);
+  record.by_rule = first_.is_rule();
+  if (record.decision_frame) record.decision_frame = first_.decision_frame(frame);
+  return record;
 }
 
 // Thesis 2.1.3: undelayed, at the first pixel.
@@ -146,14 +155,13 @@ void LandmarkManager::initialise_new(const Frame& frame, Belief& belief, FrameRe
   for (const Observation& z : frame.observations) {
     if (!knows(z.track)) unmatched_.push_back(z);
   }
-  const bool first_frame = frame.index == first_frame_;
   const LandmarkPrior& prior = depth_prior_.of_new();
   const auto room = room_for(static_cast<int>(records_.size()), report.accepted, models_.policy);
   if (unmatched_.size() > room) unmatched_.resize(room);
   for (const Observation& z : unmatched_) {
-    const Label label = label_at_birth(z.track, first_frame);
-    if (!belief.add(z, prior, label != Label::kStatic)) continue;
-    records_[z.track] = initialised(z.track, frame.index, label, first_frame, prior);
+    TrackRecord record = record_at_birth(z.track, frame.index, prior);
+    if (!belief.add(z, prior, record.label != Label::kStatic)) continue;
+    records_[z.track] = std::move(record);
     ++report.admitted;
   }
 }

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "estimation/belief.h"
-#include "estimation/label_policy.h"
+#include "estimation/first_frame.h"
 
 namespace slammot {
 
@@ -15,7 +15,7 @@ class LandmarkManager {
  public:
   // `truth_for_view`: none, or the truth of a run whose Jacobians are taken there.
   // Throws std::invalid_argument for an unknown landmark model, classifier or policy.
-  LandmarkManager(const Setup& setup, const ModelOptions& models,
+  LandmarkManager(const Setup& setup, const ModelOptions& models, FirstFrame& first,
                   std::shared_ptr<const Truth> truth_for_view);
 
   const TrackRecords& records() const { return records_; }
@@ -41,7 +41,7 @@ class LandmarkManager {
 
  private:
   void remove(Belief& belief, FrameReport& report);  // tracks_
-  Label label_at_birth(int track, bool first_frame) const;
+  TrackRecord record_at_birth(int track, int frame, const LandmarkPrior& prior);
   bool expected_in_view(int frame, const CameraState& camera, const LandmarkPoint& point) const;
 
   Setup setup_;
@@ -51,6 +51,7 @@ class LandmarkManager {
   DepthPrior depth_prior_;
   std::shared_ptr<const Truth> truth_;
   std::map<int, KnownLandmark> known_;  // stated, not measured yet
+  FirstFrame& first_;
   std::optional<int> first_frame_;
   TrackRecords records_;
   std::map<int, Label> labels_left_;  // of landmarks that the belief could not keep

@@ -20,6 +20,13 @@ enum class LabelRule { kOneWay, kReversible };
 inline constexpr Choice<LabelRule> kLabelRules[] = {{"one_way", LabelRule::kOneWay},
                                                     {"reversible", LabelRule::kReversible}};
 
+// Landmarks of the first frame; see first_frame.h.
+enum class FirstFrameLabels { kStatic, kUnknown, kOdds };
+inline constexpr Choice<FirstFrameLabels> kFirstFrameLabels[] = {
+    {"odds", FirstFrameLabels::kOdds},
+    {"static", FirstFrameLabels::kStatic},
+    {"unknown", FirstFrameLabels::kUnknown}};
+
 // On static: marginalise w (thesis), or use w = 0.
 enum class Collapse { kDrop, kCondition };
 inline constexpr Choice<Collapse> kCollapses[] = {{"drop", Collapse::kDrop},
@@ -54,11 +61,14 @@ struct ClassifierOptions {
   double moving_factor = 0.01;   // bayes_factor: odds for v = 0 below which it is moving
 };
 
-// Whether labels may be reverted; see label_policy.h.
+// Whether labels may be reverted, label_policy.h, and those of the first frame, first_frame.h.
 struct LabelOptions {
   LabelRule rule = LabelRule::kReversible;
   int window = 10;            // reversible: innovations in the test of a static label
   double probability = 1e-4;  // reversible: of a right label being rejected in a frame
+  FirstFrameLabels first_frame = FirstFrameLabels::kOdds;
+  int start = 10;       // odds: frames after which the first frame's labels are decided
+  int start_over = 40;  // odds: frames in which one that is rejected starts the run over
 };
 
 struct ModelOptions {

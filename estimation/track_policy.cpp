@@ -4,13 +4,11 @@
 
 namespace slammot {
 
-TrackRecord initialised(int track, int frame, Label label, bool first_frame,
-                        const LandmarkPrior& prior) {
+TrackRecord initialised(int track, int frame, Label label, const LandmarkPrior& prior) {
   TrackRecord record;
   record.track = track;
   record.label = label;
   record.was_moving = label == Label::kMoving;
-  record.from_first_frame = first_frame;
   record.first_frame = frame;
   record.last_frame = frame;
   record.observations = 1;
@@ -54,7 +52,7 @@ LandmarkEstimate report(const TrackRecord& record) {
   LandmarkEstimate estimate;
   estimate.track = record.track;
   estimate.label = record.label;
-  estimate.from_first_frame = record.from_first_frame;
+  estimate.by_rule = record.by_rule;
   estimate.first_frame = record.first_frame;
   estimate.last_frame = record.last_frame;
   estimate.decision_frame = record.decision_frame;

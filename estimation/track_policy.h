@@ -12,7 +12,7 @@ namespace slammot {
 struct TrackRecord {
   int track = 0;
   Label label = Label::kUnknown;
-  bool from_first_frame = false;
+  bool by_rule = false;     // static because it was in the first frame (first_frame.h)
   bool known = false;       // beforehand: its label is a statement
   bool was_moving = false;  // has ever been taken for moving
   int first_frame = 0;
@@ -29,8 +29,7 @@ struct TrackRecord {
 using TrackRecords = std::map<int, TrackRecord>;  // by track
 
 // The record of a landmark at its first pixel.
-TrackRecord initialised(int track, int frame, Label label, bool first_frame,
-                        const LandmarkPrior& prior);
+TrackRecord initialised(int track, int frame, Label label, const LandmarkPrior& prior);
 void note_accepted(TrackRecord& record, int frame);
 void note_rejected(TrackRecord& record);
 // After a frame that did not use the landmark: whether it was predicted to be in view.

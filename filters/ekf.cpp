@@ -172,7 +172,7 @@ std::vector<LandmarkBelief> Ekf::landmarks(std::span<const int> tracks) const {
 std::unique_ptr<Estimator> make_ekf(const Setup& setup, const ModelOptions& models,
                                     const EkfOptions& options) {
   return std::make_unique<FrameLoop>(
-      setup, models, std::make_unique<Ekf>(setup, models, options),
+      setup, models, [=] { return std::make_unique<Ekf>(setup, models, options); },
       options.linearisation == FilterLinearisation::kIdeal ? setup.truth : nullptr);
 }
 

@@ -29,9 +29,13 @@ class Batch final : public Estimator {
         loss_(make_loss(front.loss)),
         graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get()}, false) {
     if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);
-    auto window = std::make_unique<Window>(setup, models, front, &histories_);
-    window_ = window.get();
-    front_ = std::make_unique<FrameLoop>(setup, models, std::move(window), truth_of(setup, front));
+    const auto make_window = [=, this] {
+      histories_ = {};
+      auto window = std::make_unique<Window>(setup, models, front, &histories_);
+      window_ = window.get();
+      return window;
+    };
+    front_ = std::make_unique<FrameLoop>(setup, models, make_window, truth_of(setup, front));
   }
 
   FrameReport process(const Frame& frame, StageListener& stages) override {

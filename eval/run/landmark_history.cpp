@@ -73,7 +73,7 @@ std::vector<ClassificationRecord> LandmarkHistory::classification() const {
   std::vector<ClassificationRecord> records;
   for (const auto& [track, entry] : entries_) {
     const LandmarkEstimate& landmark = entry.record.estimate;
-    if (landmark.from_first_frame || known.contains(track)) continue;
+    if (landmark.by_rule || known.contains(track)) continue;
     const auto truth = truths.find(track);
     records.push_back({track, truth != truths.end() ? std::optional(truth->second) : std::nullopt,
                        landmark.label, landmark.decision_frame, entry.observations_at_decision});

@@ -239,7 +239,8 @@ void Window::points(std::vector<LandmarkPoint>& result) {
 std::unique_ptr<Estimator> make_window(const Setup& setup, const ModelOptions& models,
                                        const WindowOptions& options) {
   return std::make_unique<FrameLoop>(
-      setup, models, std::make_unique<Window>(setup, models, options), truth_of(setup, options));
+      setup, models, [=] { return std::make_unique<Window>(setup, models, options); },
+      truth_of(setup, options));
 }
 
 }  // namespace slammot

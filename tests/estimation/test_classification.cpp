@@ -80,22 +80,21 @@ TEST(Truth, IsKnownFromBirthAndOtherwiseUnknown) {
   ClassifierOptions options;
   options.name = "truth";
   const auto truth = make_classifier(options, {{7, Label::kMoving}});
-  EXPECT_EQ(truth->at_birth(7, true), Label::kMoving);
-  EXPECT_EQ(truth->at_birth(8, true), Label::kUnknown);
+  EXPECT_EQ(truth->at_birth(7), Label::kMoving);
+  EXPECT_EQ(truth->at_birth(8), Label::kUnknown);
   options.name = "thesis";
   const auto thesis = make_classifier(options, {});
-  EXPECT_EQ(thesis->at_birth(7, true), Label::kStatic);
-  EXPECT_EQ(thesis->at_birth(7, false), Label::kUnknown);
+  EXPECT_EQ(thesis->at_birth(7), Label::kUnknown);
 }
 
 TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
   const TrackPolicy policy;
-  TrackRecord moving = initialised(1, 0, Label::kUnknown, false, {});
+  TrackRecord moving = initialised(1, 0, Label::kUnknown, {});
   moving.unused_frames = policy.prune_after;
   EXPECT_FALSE(is_pruned(moving, policy));
   ++moving.unused_frames;
   EXPECT_TRUE(is_pruned(moving, policy));
-  TrackRecord fixed = initialised(2, 0, Label::kStatic, false, {});
+  TrackRecord fixed = initialised(2, 0, Label::kStatic, {});
   fixed.unused_frames = 10000;
   EXPECT_FALSE(is_pruned(fixed, policy));  // it stays in the map
   TrackPolicy window = policy;

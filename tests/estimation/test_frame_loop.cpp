@@ -130,10 +130,18 @@ class FrameLoopOf : public testing::Test {
     setup_.camera.cy = 240.0;
   }
 
-  void start(const ModelOptions& models) {
-    auto belief = std::make_unique<FakeBelief>(calls_);
-    belief_ = belief.get();
-    loop_ = std::make_unique<FrameLoop>(setup_, models, std::move(belief));
+  // Landmarks of the first frame are static by rule.
+  void start(ModelOptions models) {
+    models.labels.first_frame = FirstFrameLabels::kStatic;
+    start_with(models);
+  }
+  void start_with(const ModelOptions& models) {
+    const auto make = [this] {
+      auto belief = std::make_unique<FakeBelief>(calls_);
+      belief_ = belief.get();
+      return belief;
+    };
+    loop_ = std::make_unique<FrameLoop>(setup_, models, make);
   }
 
   FrameReport frame(std::vector<int> tracks) {
@@ -218,6 +226,34 @@ TEST_F(FrameLoopOf, RevertsAStaticLabelThatTheOtherMeasurementsReject) {
   for (int i = 0; i < 5; ++i) frame({1});
   EXPECT_EQ(label(1), Label::kStatic);
   EXPECT_THAT(calls_, testing::Not(testing::Contains("leave_one_out")));
+}
+
+TEST_F(FrameLoopOf, StartsOverWithTheLabelsOfTheFirstFrame) {
+  ModelOptions models;
+  models.labels.start = 3;
+  start_with(models);
+  frame({1, 2});
+  EXPECT_EQ(label(1), Label::kUnknown);
+  belief_->state.at(2) = {true, 0.0, 5.0, 0.1};
+  frame({1, 2});
+  EXPECT_EQ(label(2), Label::kMoving);
+  const FakeBelief* before = belief_;
+  const FrameReport report = frame({1, 2, 3});
+  EXPECT_NE(belief_, before);
+  EXPECT_EQ(std::ranges::count(calls_, "predict"), 1 + 3);
+  EXPECT_NEAR(belief_->last_dt, 0.1, 1e-15);
+  EXPECT_EQ(report.admitted, 1);  // of the newest frame
+  EXPECT_EQ(label(1), Label::kStatic);
+  EXPECT_EQ(label(2), Label::kUnknown);
+  EXPECT_EQ(loop_->records().at(1).decision_frame, 2);
+  EXPECT_FALSE(loop_->records().at(1).by_rule);
+
+  belief_->state.at(1).leave_one_out = 30.0;
+  frame({1, 2, 3});
+  frame({1, 2, 3});
+  EXPECT_EQ(label(1), Label::kUnknown);  // and all five frames were processed again
+  EXPECT_EQ(std::ranges::count(calls_, "predict"), 1 + 5);
+  EXPECT_THAT(calls_, testing::Not(testing::Contains("free")));
 }
 
 TEST_F(FrameLoopOf, PrunesWhatIsNotMeasuredAndStartsItsTrackAnew) {

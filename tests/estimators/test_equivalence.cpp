@@ -96,7 +96,7 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
     ASSERT_EQ(landmarks[i].track, same[i].track);
     ASSERT_EQ(landmarks[i].label, same[i].label);
     ASSERT_EQ(landmarks[i].decision_frame, same[i].decision_frame);
-    decided += landmarks[i].decision_frame && !landmarks[i].from_first_frame;
+    decided += landmarks[i].decision_frame && !landmarks[i].by_rule;
     worst_landmark = std::max(
         worst_landmark,
         relative_difference(same[i].position_covariance, landmarks[i].position_covariance));

@@ -64,7 +64,7 @@ Outcome over_noise_seeds(const std::string& estimator) {
     sum.position_nees += nees / kSeeds;
     for (const LandmarkRecord& landmark : run.landmarks) {
       const LandmarkEstimate& l = landmark.estimate;
-      if (l.from_first_frame) continue;
+      if (l.by_rule) continue;
       const Label truth = sequence.landmarks.at(l.track).label;
       const int k = truth == Label::kMoving;
       ++sum.all[k];

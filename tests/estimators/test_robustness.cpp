@@ -37,7 +37,7 @@ class EveryEstimator : public testing::TestWithParam<std::string> {
       ASSERT_TRUE(camera.state.position.allFinite());
     }
     for (const LandmarkEstimate& l : estimator.landmarks()) {
-      EXPECT_GE(l.observations, l.from_first_frame ? 0 : 1);
+      EXPECT_GE(l.observations, l.by_rule ? 0 : 1);
       const bool has_velocity = !std::isnan(l.velocity_covariance(0, 0));
       EXPECT_TRUE(l.label != Label::kStatic || !has_velocity);
     }

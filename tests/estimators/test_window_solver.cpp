@@ -55,7 +55,7 @@ void expect_same_runs(const Sequence& sequence, const Configuration& configurati
   const auto landmarks = own->landmarks();
   expect_same_labels(landmarks, ceres->landmarks());
   for (const LandmarkEstimate& l : landmarks) {
-    decided += l.decision_frame && !l.from_first_frame;
+    decided += l.decision_frame && !l.by_rule;
   }
   std::printf("largest difference: state %.2g sigma, covariance %.2g; %d of %zu frames the same\n",
               worst_state, worst_covariance, same, sequence.frames.size());

@@ -128,7 +128,7 @@ TEST(Drive, LandmarksByRuleAreNotClassified) {
     test::Belief belief = test::true_belief(sequence, f);
     belief.landmarks = {landmark(0, Label::kStatic, 0, f.index, std::nullopt, 1),
                         landmark(1, Label::kStatic, 0, f.index, std::nullopt, 1)};
-    belief.landmarks[0].from_first_frame = true;
+    belief.landmarks[0].by_rule = true;
     return belief;
   });
   EXPECT_TRUE(drive(sequence, estimator).classification.empty());

@@ -41,7 +41,7 @@ TEST(ExtendingClassifier, DecidesThroughItsInterface) {
   belief.covariance *= 0.04;
   belief.density_scale = 0.008;
   EXPECT_EQ(classifier->decide(belief), Label::kMoving);
-  EXPECT_EQ(classifier->at_birth(7, true), Label::kStatic);
+  EXPECT_EQ(classifier->at_birth(7), Label::kUnknown);
 }
 
 }  // namespace

@@ -343,8 +343,8 @@ const EstimatorRow kUnscented{
     false,
     [](Configuration&) {},
     [](const Setup& setup, const Configuration& c) -> std::unique_ptr<Estimator> {
-      auto belief = std::make_unique<Unscented>(setup, c.model);
-      return std::make_unique<FrameLoop>(setup, c.model, std::move(belief));
+      const auto belief = [=] { return std::make_unique<Unscented>(setup, c.model); };
+      return std::make_unique<FrameLoop>(setup, c.model, belief);
     }};
 // [end]
 

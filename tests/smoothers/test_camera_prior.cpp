@@ -19,9 +19,12 @@ struct WindowRun {
     assign(configuration, {"window.frames", "10"});
     for (const std::string& text : settings) assign(configuration, parse_assignment(text));
     const Setup setup = make_setup(sequence, configuration);
-    auto owned = std::make_unique<Window>(setup, configuration.model, configuration.window);
-    window = owned.get();
-    loop = std::make_unique<FrameLoop>(setup, configuration.model, std::move(owned));
+    const auto make = [=, this] {
+      auto owned = std::make_unique<Window>(setup, configuration.model, configuration.window);
+      window = owned.get();
+      return owned;
+    };
+    loop = std::make_unique<FrameLoop>(setup, configuration.model, make);
   }
   const Window* window = nullptr;
   std::unique_ptr<FrameLoop> loop;

@@ -19,9 +19,12 @@ class WindowRun {
     configuration.window.retest = retest;
     configuration.model.gate_probability = gate_probability;
     const Setup setup = make_setup(sequence, configuration);
-    auto window = std::make_unique<Window>(setup, configuration.model, configuration.window);
-    window_ = window.get();
-    loop_ = std::make_unique<FrameLoop>(setup, configuration.model, std::move(window));
+    const auto make = [=, this] {
+      auto window = std::make_unique<Window>(setup, configuration.model, configuration.window);
+      window_ = window.get();
+      return window;
+    };
+    loop_ = std::make_unique<FrameLoop>(setup, configuration.model, make);
   }
 
   void process(const Frame& frame) { loop_->process(frame, stages_); }

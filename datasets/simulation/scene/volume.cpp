@@ -17,7 +17,9 @@ Parameters parameters(VolumeOptions& o) {
       {"static", "number of static points", &o.static_points, 0},
       {"moving", "number of moving points", &o.moving_points, 0},
       {"first_static", "static points placed in view of frame 0", &o.first_static, 0},
-      {"first_moving", "moving points allowed in view of frame 0", &o.first_moving, 0},
+      {"first_moving",
+       "moving points allowed in view of frame 0; -1: as many as the draw puts there",
+       &o.first_moving, -1},
       {"volume_width", "of the points, x and z [m]", &o.width, kAbove0},
       {"volume_height", "of the points, y [m]", &o.height, kAbove0},
       {"min_speed", "of moving points [m/s]", &o.min_speed, kAbove0},
@@ -101,7 +103,7 @@ void add_moving(const Volume& volume, MoverStreams& random, std::vector<ScenePoi
     const int track = options.static_points + i;
     ScenePoint point = draw_moving(volume, track, random);
     for (int k = 0;
-         k < kTries && in_first_frame >= options.first_moving && volume.in_first_frame(point);
+         k < kTries && in_first_frame == options.first_moving && volume.in_first_frame(point);
          ++k) {
       point = draw_moving(volume, track, random);
     }

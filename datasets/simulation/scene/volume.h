@@ -20,9 +20,9 @@ struct VolumeOptions {
   double height = 10.0;                     // y [m]
   double min_speed = 1.0, max_speed = 2.0;  // of moving points [m/s]
   double max_climb_deg = 10.0;              // of their direction against the horizontal
-  int first_moving = 0;  // moving points allowed in view of the first frame, whose landmarks enter
-                         // as static by rule; further ones are drawn again
-  StopOptions stops;     // of moving points; of scenarios without stops the default, none
+  int first_moving = -1;  // moving points allowed in view of the first frame; those beyond are
+                          // drawn again; -1: all that the draw puts there
+  StopOptions stops;      // of moving points; of scenarios without stops the default, none
   ManoeuvreOptions manoeuvres;  // of moving points that never stop; by default none
 };
 Parameters parameters(VolumeOptions& options);

@@ -1,0 +1,58 @@
+// Which landmarks of the first frame are static (`labels.first_frame`), where the classifier is
+// given no label.
+//
+// `static` is the rule of the thesis's experiment (figure 4.5): all are. `unknown` asks the
+// classifier as about any later landmark (3.1.3); but then nothing static holds the first cameras.
+//
+// `odds` decides about them together, before anything is frozen. In the first `start` frames they
+// are unknown. Then those taken for moving, or no longer there, stay unknown and all others are
+// static, since most of a scene is; and the frames so far are processed again with these labels.
+// Until `start_over` frames have passed, the label that is rejected most clearly (label_policy.h)
+// is dropped and the frames are processed again, so that nothing a wrong label did to the camera
+// stays. One at a time: a wrong label makes right ones look wrong. If most landmarks look moving,
+// then the camera's motion is believed wrongly, and all count as static.
+#pragma once
+
+#include <set>
+#include <span>
+#include <vector>
+
+#include "estimation/label_policy.h"
+#include "models/measurement.h"
+
+namespace slammot {
+
+class FirstFrame {
+ public:
+  explicit FirstFrame(const LabelOptions& options);
+
+  // At birth in the first frame.
+  Label label(int track);
+  // Static by the thesis's rule, and not because of any measurement.
+  bool is_rule() const { return options_.first_frame == FirstFrameLabels::kStatic; }
+  // The frame that decided label(); by default `birth`.
+  int decision_frame(int birth) const { return decided_.value_or(birth); }
+
+  // Whether it is for revise() to take this label back.
+  bool holds(const TrackRecord& record) const;
+
+  // Before each frame.
+  void begin(const Frame& frame);
+  // After it. True when labels have changed, and frames() are to be processed again.
+  bool revise(const TrackRecords& records);
+  // All frames so far; empty once the labels stand.
+  std::span<const Frame> frames() const { return frames_; }
+
+ private:
+  bool drop_most_rejected(const TrackRecords& records);
+  void decide(const TrackRecords& records);
+
+  LabelOptions options_;
+  bool is_open_;
+  bool is_asked_ = false;
+  std::optional<int> decided_;  // frame index
+  std::set<int> not_static_;
+  std::vector<Frame> frames_;
+};
+
+}  // namespace slammot
