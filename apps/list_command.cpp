@@ -27,6 +27,7 @@ struct Listing {
 constexpr Listing kListings[] = {
     {"estimators", [] { print_table(estimator_table()); }},
     {"landmarks", [] { print_table(landmark_list()); }},
+    {"points", [] { print_table(point_list()); }},
     {"motions", [] { print_table(motion_table()); }},
     {"classifiers", [] { print_table(classifier_list()); }},
     {"metrics",

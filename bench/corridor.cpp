@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "datasets/simulation/scene/random_stream.h"
-#include "models/observation.h"
+#include "models/points/observation.h"
 
 namespace slammot::bench {
 

@@ -35,7 +35,7 @@ struct LeaveOneOut {
 struct LandmarkPoint {
   int track = 0;
   Eigen::Vector3d anchor;  // W [m]
-  Eigen::Vector3d y;       // (theta, phi, rho) seen from the anchor
+  Eigen::Vector3d y;       // seen from the anchor (models/points/point.h)
 };
 
 class Belief {

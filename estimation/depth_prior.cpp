@@ -38,6 +38,12 @@ double student_variance(double squares, double degrees, double count) {
 
 }  // namespace
 
+SeenDepth seen_depth(const PointFunctions& point, const Eigen::Vector3d& y,
+                     const Eigen::Matrix3d& covariance) {
+  const Eigen::RowVector3d J = point.inverse_depth_jacobian(y);
+  return {point.inverse_depth(y), std::sqrt((J * covariance).dot(J))};
+}
+
 LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, std::span<SeenDepth> seen) {
   const std::span<const SeenDepth> established = sample(seen);
   if (established.size() < kLeast) return stated;

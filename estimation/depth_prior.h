@@ -25,6 +25,7 @@
 
 #include "estimation/options.h"
 #include "models/measurement.h"
+#include "models/points/point_functions.h"
 
 namespace slammot {
 
@@ -33,6 +34,10 @@ struct SeenDepth {
   double inverse_depth = 0.0;  // [1/m]
   double sigma = 0.0;          // [1/m]
 };
+
+// To first order, at y with its covariance.
+SeenDepth seen_depth(const PointFunctions& point, const Eigen::Vector3d& y,
+                     const Eigen::Matrix3d& covariance);
 
 // `fixed` with the mean and sigma of the inverse depth learnt. Conjugate (normal, inverse
 // chi-square), the statement counting as one landmark; the result is the Gaussian with the moments

@@ -19,6 +19,7 @@ FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, MakeBelief 
       make_belief_(std::move(make_belief)),
       truth_for_view_(std::move(truth_for_view)),
       first_(models.labels),
+      point_(find_point(models.point)),
       gate_(models.gate_probability, setup.pixel_sigma) {
   start();
 }
@@ -97,8 +98,8 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   // Of what the frame leaves behind, like the size of the state.
   report.state_size = belief_->state_size();
   belief_->points(points_);
-  report.negative_inverse_depth = static_cast<int>(
-      std::ranges::count_if(points_, [](const LandmarkPoint& p) { return p.y.z() < 0.0; }));
+  report.negative_inverse_depth = static_cast<int>(std::ranges::count_if(
+      points_, [&](const LandmarkPoint& p) { return point_.inverse_depth(p.y) < 0.0; }));
   return report;
 }
 

@@ -45,6 +45,7 @@ class FrameLoop final : public Estimator {
   MakeBelief make_belief_;
   std::shared_ptr<const Truth> truth_for_view_;
   FirstFrame first_;
+  const PointFunctions& point_;
   PixelGate gate_;
 
   // Made anew when the run starts over.

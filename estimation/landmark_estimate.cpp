@@ -1,16 +1,14 @@
 #include "estimation/landmark_estimate.h"
 
-#include "models/inverse_depth.h"
-
 namespace slammot {
 
 LandmarkEstimate landmark_estimate(const LandmarkFunctions& model, const TrackRecord& record,
                                    const LandmarkBelief& belief) {
   LandmarkEstimate result = report(record);
-  if (belief.y.z() == 0.0) return result;
+  if (model.point.inverse_depth(belief.y) == 0.0) return result;
   Eigen::Matrix<double, 3, 6> J_position;
-  J_position << Eigen::Matrix3d::Identity(), position_jacobian(belief.y);
-  result.position = position_world(belief.anchor, belief.y);
+  J_position << Eigen::Matrix3d::Identity(), position_jacobian(model.point, belief.y);
+  result.position = position_world(model.point, belief.anchor, belief.y);
   result.position_covariance =
       J_position * belief.covariance.topLeftCorner<6, 6>() * J_position.transpose();
   if (belief.w.size() == 0) return result;

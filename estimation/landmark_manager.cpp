@@ -1,7 +1,7 @@
 #include "estimation/landmark_manager.h"
 
 #include "models/landmarks/true_state.h"
-#include "models/observation.h"
+#include "models/points/observation.h"
 
 namespace slammot {
 
@@ -9,12 +9,15 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
                                  std::shared_ptr<const Truth> truth_for_view)
     : setup_(setup),
       models_(models),
-      functions_(find_landmark(models.landmark)),
+      functions_(find_landmark(models.landmark, models.point)),
       classifier_(
           make_classifier(classifier_for(functions_, models.classifier), setup.true_labels)),
       depth_prior_(learns_depths(models.depth_prior, !setup.known.empty()), setup.prior),
       truth_(std::move(truth_for_view)),
       first_(first) {
+  if (!functions_.point.exists(Eigen::Vector3d::UnitZ(), setup.prior.inverse_depth)) {
+    throw std::invalid_argument("point " + models.point + " needs prior.inverse_depth above 0");
+  }
   for (const KnownLandmark& known : setup.known) known_[known.track] = known;
 }
 
@@ -111,7 +114,8 @@ void LandmarkManager::revert_labels(std::span<const Observation> measured, Belie
 bool LandmarkManager::expected_in_view(int frame, const CameraState& camera,
                                        const LandmarkPoint& point) const {
   if (!truth_) {
-    return in_view(setup_.camera, camera.position, camera.orientation, point.anchor, point.y);
+    return in_view(setup_.camera, functions_.point, camera.position, camera.orientation,
+                   point.anchor, point.y);
   }
   const auto landmark = truth_->landmarks.find(point.track);
   if (landmark == truth_->landmarks.end()) return false;

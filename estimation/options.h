@@ -73,6 +73,7 @@ struct LabelOptions {
 
 struct ModelOptions {
   std::string landmark = "scaled_velocity";  // a row of landmark_table()
+  std::string point = "inverse_depth";       // of its position: a row of point_table()
   Collapse collapse = Collapse::kCondition;
   double gate_probability = 0.95;  // of a correct measurement passing the chi-square gate
   ClassifierOptions classifier;

@@ -2,7 +2,7 @@
 
 #include "estimation/frame_loop.h"
 #include "filters/ekf_belief.h"
-#include "models/initialisation.h"
+#include "models/points/initialisation.h"
 
 namespace slammot {
 
@@ -10,7 +10,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
     : setup_(setup),
       options_(options),
       condition_(models.collapse == Collapse::kCondition),
-      functions_(find_landmark(models.landmark)),
+      functions_(find_landmark(models.landmark, models.point)),
       linearisation_(options.linearisation, functions_, setup.truth) {
   if (options.deferred && options.linearisation == FilterLinearisation::kInvariant) {
     throw std::invalid_argument(
@@ -48,7 +48,7 @@ void Ekf::predict(const Frame& frame, double dt) {
 
 void Ekf::add_known(const KnownLandmark& known) {
   const FilterAnchor& anchor = anchor_here();
-  const NewKnownLandmark here = initialise_known(known, anchor.position);
+  const NewKnownLandmark here = initialise_known(functions_.point, known, anchor.position);
   const Eigen::MatrixXd J = linearisation_.known_birth(state_, known, frame_, here).J_y_position;
   const double variance = known.sigma * known.sigma;
   const StateBlock block =
@@ -95,8 +95,8 @@ void Ekf::inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& re
   result.clear();
   for (const int track : tracks) {
     const FilterLandmark& landmark = state_.landmarks.at(track);
-    const StateBlock rho{landmark.y_block.offset + 2, 1};
-    result.push_back({landmark.y.z(), std::sqrt(state_.covariance.block(rho, rho)(0, 0))});
+    result.push_back(seen_depth(functions_.point, landmark.y,
+                                state_.covariance.block(landmark.y_block, landmark.y_block)));
   }
 }
 
@@ -127,7 +127,7 @@ void Ekf::remove(std::span<const int> tracks, const TrackRecords& /*records*/) {
 
 // Thesis 2.1.3, (2.7): y from pixel, rotation and prior, with its full cross-covariance.
 bool Ekf::add(const Observation& z, const LandmarkPrior& prior, bool is_free) {
-  const auto here = initialise(setup_.camera, state_.camera.orientation, z.pixel,
+  const auto here = initialise(setup_.camera, functions_.point, state_.camera.orientation, z.pixel,
                                state_.scene ? state_.scene->inverse_depth : prior.inverse_depth);
   if (!here) return false;
   const NewLandmark at = linearisation_.birth(state_, setup_.camera, z, frame_, *here);

@@ -41,14 +41,19 @@ void Ekf::condition_on_rest(std::span<const int> tracks) {
 // The rows of a landmark's (y) or (y, w) when it is initialised.
 StateBlock Ekf::append_new(const NewLandmark& at, const LandmarkPrior& prior, int dim) {
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(dim, dim);
-  R.topLeftCorner<2, 2>() =
-      setup_.pixel_sigma * setup_.pixel_sigma * at.J_angles_pixel * at.J_angles_pixel.transpose();
-  R(2, 2) = prior.inverse_depth_sigma * prior.inverse_depth_sigma;
+  const double pixel_variance = setup_.pixel_sigma * setup_.pixel_sigma;
+  const double depth_variance = prior.inverse_depth_sigma * prior.inverse_depth_sigma;
+  R.topLeftCorner<3, 3>() = pixel_variance * at.J_pixel * at.J_pixel.transpose() +
+                            depth_variance * at.J_inverse_depth * at.J_inverse_depth.transpose();
   if (dim > 3) R.diagonal().tail(dim - 3) = functions_.prior_sigmas(prior).cwiseAbs2();
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(dim, 3);
-  J.topRows<2>() = at.J_angles_rotation;
+  J.topRows<3>() = at.J_rotation;
   std::vector<JointCovariance::Dependence> on{{{kRotation, 3}, J}};
-  if (state_.scene) on.push_back({state_.scene->block, Eigen::MatrixXd::Identity(dim, 3).col(2)});
+  if (state_.scene) {
+    Eigen::MatrixXd J_scene = Eigen::MatrixXd::Zero(dim, 1);
+    J_scene.topRows<3>() = at.J_inverse_depth;
+    on.push_back({state_.scene->block, J_scene});
+  }
   return state_.covariance.append(on, R);
 }
 

@@ -20,12 +20,13 @@ using Eigen::Index;
 std::optional<ObservedPixel> linearised(const JointState& state, const Linearisation& linearisation,
                                         const Camera& camera, int track) {
   const FilterLandmark& landmark = state.landmarks.at(track);
-  auto h = expect(camera, state.camera.position, state.camera.orientation,
+  const PointFunctions& point = linearisation.point();
+  auto h = expect(camera, point, state.camera.position, state.camera.orientation,
                   state.anchors.at(landmark.anchor).position, landmark.y);
   if (linearisation.at_estimate() || (!h && !linearisation.at_truth())) return h;
   const CameraState at = linearisation.camera(state);
   const LandmarkVector x = linearisation.landmark(state, track);
-  auto there = observe(camera, at.position, at.orientation,
+  auto there = observe(camera, point, at.position, at.orientation,
                        linearisation.anchor(state, landmark.anchor), Eigen::Vector3d(x.head<3>()));
   if (!there) return h;
   if (h) there->pixel = h->pixel;
@@ -137,8 +138,9 @@ void relinearise(const JointState& prior, const Linearisation& linearisation, co
   std::vector<bool> evaluated(first.matches.size(), false);
   for (std::size_t k = 0; k < first.matches.size(); ++k) {
     const FilterLandmark& landmark = iterate.landmarks.at(first.matches[k].track);
-    const auto h = observe(camera, iterate.camera.position, iterate.camera.orientation,
-                           iterate.anchors.at(landmark.anchor).position, landmark.y);
+    const auto h =
+        observe(camera, linearisation.point(), iterate.camera.position, iterate.camera.orientation,
+                iterate.anchors.at(landmark.anchor).position, landmark.y);
     if (!h) continue;  // keeps the residual and linearisation it had
     evaluated[k] = true;
     z.nu[k] = first.matches[k].pixel - h->pixel;

@@ -5,7 +5,7 @@
 #include "estimation/belief.h"
 #include "filters/linearisation.h"
 #include "models/growing_matrix.h"
-#include "models/observation.h"
+#include "models/points/observation.h"
 
 namespace slammot {
 

@@ -2,8 +2,9 @@
 
 #include <stdexcept>
 
+#include "estimation/depth_prior.h"
 #include "models/landmarks/true_state.h"
-#include "models/observation.h"
+#include "models/points/observation.h"
 
 namespace slammot {
 
@@ -48,9 +49,11 @@ void Linearisation::predicted_first_estimate(const JointState& state, int track)
   if (settled_.contains(track)) return;
   const FilterLandmark& landmark = state.landmarks.at(track);
   landmarks_[track] = landmark.is_free() ? landmark.x() : at_rest(landmark.y);
-  const StateBlock rho{landmark.y_block.offset + 2, 1};
-  const double sigma = std::sqrt(state.covariance.block(rho, rho)(0, 0));
-  if (!landmark.is_free() && sigma < kKnownDepth * std::abs(landmark.y.z())) settled_.insert(track);
+  const SeenDepth depth = seen_depth(functions_.point, landmark.y,
+                                     state.covariance.block(landmark.y_block, landmark.y_block));
+  if (!landmark.is_free() && depth.sigma < kKnownDepth * std::abs(depth.inverse_depth)) {
+    settled_.insert(track);
+  }
 }
 
 LandmarkVector Linearisation::at_rest(const Eigen::Vector3d& y) const {
@@ -67,11 +70,12 @@ NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
   std::optional<LandmarkVector> truth;
   if (kind_ == Kind::kIdeal) truth = true_state(*truth_, functions_, z.track, frame, at.position);
   if (truth) {
-    const auto h = observe(camera, at.position, at.orientation, at.position,
+    const auto h = observe(camera, functions_.point, at.position, at.orientation, at.position,
                            Eigen::Vector3d(truth->head<3>()));
     if (h) pixel = h->pixel;
   }
-  const auto born = initialise(camera, at.orientation, pixel, here.y.z());
+  const auto born = initialise(camera, functions_.point, at.orientation, pixel,
+                               functions_.point.inverse_depth(here.y));
   NewLandmark result = born ? *born : here;
   landmarks_[z.track] = truth ? *truth : at_rest(result.y);
   return result;
@@ -86,8 +90,8 @@ NewKnownLandmark Linearisation::known_birth(const JointState& state, const Known
   if (kind_ == Kind::kIdeal) truth = true_state(*truth_, functions_, known.track, frame, anchor);
   landmarks_[known.track] = truth ? *truth : at_rest(here.y);
   if (!truth) return here;
-  const Eigen::Vector3d position = position_world(anchor, truth->head<3>());
-  return initialise_known({known.track, position, known.sigma}, anchor);
+  const Eigen::Vector3d position = position_world(functions_.point, anchor, truth->head<3>());
+  return initialise_known(functions_.point, {known.track, position, known.sigma}, anchor);
 }
 
 void Linearisation::forget_what_left(const JointState& state) {
@@ -98,17 +102,18 @@ void Linearisation::forget_what_left(const JointState& state) {
 
 namespace {
 
-// d(theta, phi) of a landmark whose direction turns by c: d angles / dc.
-Matrix23d turned(const Eigen::Vector3d& y) {
-  const Eigen::Vector3d G = direction(y.x(), y.y());
-  return -angles_jacobian(G) * hat(G);
+// dy of a landmark whose direction turns by c: dy/dc.
+Eigen::Matrix3d turned(const PointFunctions& point, const Eigen::Vector3d& y) {
+  const PointRay ray = point.ray(y);
+  const Matrix34d J = point.of_jacobian(ray.direction, ray.inverse_depth);
+  return -J.leftCols<3>() * hat(ray.direction);
 }
 
 // A turn c of the world moves what stands at p by c x p = -hat(p) c. With errors e = dp - c x p, c
 // = R dtheta, an update only moves the estimate and leaves their covariance. In our coordinates
 // that is dp := dp + (hat(p) - hat(p+)) c for every block, and its like for directions; dtheta
 // itself is turned into the new camera frame.
-void invariant_reset(const JointState& before, JointState& after) {
+void invariant_reset(const PointFunctions& point, const JointState& before, JointState& after) {
   JointCovariance& P = after.covariance;
   Eigen::MatrixXd B = Eigen::MatrixXd::Zero(P.size(), 3);
   const auto moved = [&](int offset, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
@@ -121,7 +126,7 @@ void invariant_reset(const JointState& before, JointState& after) {
   }
   for (const auto& [track, landmark] : after.landmarks) {
     const FilterLandmark& old = before.landmarks.at(track);
-    B.middleRows<2>(landmark.y_block.offset) = turned(landmark.y) - turned(old.y);
+    B.middleRows<3>(landmark.y_block.offset) = turned(point, landmark.y) - turned(point, old.y);
     // Velocity, acceleration: each three numbers of w turn with the world.
     for (int k = 0; k + 3 <= landmark.w_block.dim; k += 3) {
       moved(landmark.w_block.offset + k, old.w.segment<3>(k), landmark.w.segment<3>(k));
@@ -140,7 +145,7 @@ void Linearisation::correct(JointState& state, Eigen::Ref<const Eigen::VectorXd>
   } else if (kind_ == Kind::kInvariant) {
     const JointState before{state.camera, state.scene, state.anchors, state.landmarks, {}, {}};
     state.move(dx);
-    invariant_reset(before, state);
+    invariant_reset(functions_.point, before, state);
   } else {
     state.move(dx);
   }

@@ -23,8 +23,8 @@
 
 #include "filters/covariance/joint_state.h"
 #include "filters/ekf_options.h"
-#include "models/initialisation.h"
 #include "models/landmarks/landmark_models.h"
+#include "models/points/initialisation.h"
 #include "models/truth.h"
 
 namespace slammot {
@@ -40,6 +40,7 @@ class Linearisation {
 
   bool at_truth() const { return kind_ == Kind::kIdeal; }
 
+  const PointFunctions& point() const { return functions_.point; }
   CameraState camera(const JointState& state) const;
   Eigen::Vector3d anchor(const JointState& state, int frame) const;
   LandmarkVector landmark(const JointState& state, int track) const;

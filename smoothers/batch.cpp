@@ -25,7 +25,7 @@ class Batch final : public Estimator {
  public:
   Batch(const Setup& setup, const ModelOptions& models, const WindowOptions& front)
       : setup_(setup),
-        functions_(find_landmark(models.landmark)),
+        functions_(find_landmark(models.landmark, models.point)),
         loss_(make_loss(front.loss)),
         graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get()}, false) {
     if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);

@@ -134,6 +134,8 @@ std::vector<ConfigurationKey> model_keys() {
   return {
       choice("landmark", "landmark model", names_of(landmark_list()),
              SLAMMOT_FIELD(model.landmark)),
+      choice("point", "parametrisation of its position", names_of(point_list()),
+             SLAMMOT_FIELD(model.point)),
       option<Collapse>("collapse", "on static, marginalise the velocity or use v = 0",
                        listed(kCollapses), SLAMMOT_FIELD(model.collapse)),
       number("gate.probability", "of a correct measurement passing the gate; 1: no gate", kUpToOne,

@@ -17,7 +17,9 @@ std::vector<NamedEntry> listed(const Table& table) {
 
 }  // namespace
 
-std::vector<NamedEntry> landmark_list() { return listed(landmark_table()); }
+std::vector<NamedEntry> landmark_list() { return listed(landmark_table(point_table().front())); }
+
+std::vector<NamedEntry> point_list() { return listed(point_table()); }
 
 std::vector<NamedEntry> classifier_list() { return listed(classifier_table()); }
 

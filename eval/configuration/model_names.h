@@ -23,6 +23,7 @@ struct MotionRow {
 std::span<const MotionRow> motion_table();
 
 std::vector<NamedEntry> landmark_list();
+std::vector<NamedEntry> point_list();
 std::vector<NamedEntry> classifier_list();
 
 std::vector<std::string> names_of(const std::vector<NamedEntry>& list);

@@ -25,7 +25,7 @@ struct FilterAnchor {
 struct FilterLandmark {
   int anchor = 0;     // key of JointState::anchors
   int last_used = 0;  // the frame, counted by the filter
-  Eigen::Vector3d y;  // (theta, phi, rho)
+  Eigen::Vector3d y;  // position, of the point parametrisation
   MotionVector w;     // motion, of the landmark model; empty when static
   StateBlock y_block;
   StateBlock w_block;  // empty when static

@@ -1,5 +1,5 @@
-// Every model of a landmark that may move: one entry adds one, to the table and to the tests of
-// models and estimators.
+// Every model of a landmark that may move, with its position in the parametrisation P: one entry
+// adds one, to the table and to the tests of models and estimators.
 #pragma once
 
 #include <tuple>
@@ -10,6 +10,8 @@
 
 namespace slammot {
 
-using LandmarkModels = std::tuple<DynamicInverseDepth, ScaledVelocity, ConstantAcceleration>;
+template <PointParametrisation P>
+using LandmarkModels =
+    std::tuple<DynamicInverseDepth<P>, ScaledVelocity<P>, ConstantAcceleration<P>>;
 
 }  // namespace slammot

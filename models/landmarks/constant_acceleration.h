@@ -1,8 +1,8 @@
-// Dynamic inverse depth with a constant acceleration (the thesis's future work, chapter 5): x =
-// (theta, phi, rho, v, a), v in W [m/s], a in W [m/s^2].
+// Dynamic inverse depth with a constant acceleration (the thesis's future work, chapter 5):
+// x = (y, v, a), v in W [m/s], a in W [m/s^2].
 //
 // Prediction, as (2.5) with the displacement s = v dt + a dt^2/2:
-//   g = G + rho s,   (theta', phi') = angles of g,   rho' = rho / |g|,   v' = v + a dt,   a' = a.
+//   g = G + rho s,   G' = g / |g|,   rho' = rho / |g|,   v' = v + a dt,   a' = a.
 //
 // Noise: the acceleration is a Wiener process. `prior.jerk` [m/s^3] is the standard deviation of
 // the jerk taken over one step, so that the acceleration has the variance (sigma_j dt)^2 per step,
@@ -14,10 +14,11 @@
 
 namespace slammot {
 
+template <PointParametrisation P>
 struct ConstantAcceleration {
+  using Point = P;
   static constexpr std::string_view kName = "constant_acceleration";
-  static constexpr std::string_view kDescription =
-      "inverse depth, velocity and acceleration in metres";
+  static constexpr std::string_view kDescription = "position, velocity and acceleration in metres";
   static constexpr int kMotion = 6;
 
   template <typename T>
@@ -28,26 +29,29 @@ struct ConstantAcceleration {
 
   template <typename T>
   static Vector9<T> predict(const Vector9<T>& x, double dt) {
-    const T rho = x(2);
+    const Vector3<T> y = x.template head<3>();
     const Vector3<T> v = x.template segment<3>(3), a = x.template tail<3>();
-    const Vector3<T> g = direction(T(x(0)), T(x(1))) + rho * (v * T(dt) + a * T(0.5 * dt * dt));
-    Vector9<T> y;
-    y << angles(g, T(x(0))), rho / g.norm(), v + a * T(dt), a;
-    return y;
+    const T rho = P::inverse_depth(y);
+    const Vector3<T> g = P::direction(y) + rho * (v * T(dt) + a * T(0.5 * dt * dt));
+    Vector9<T> next;
+    next << P::of(g, T(rho / g.norm()), y), v + a * T(dt), a;
+    return next;
   }
 
   static Matrix9d predict_jacobian(const Vector9d& x, double dt) {
-    const double rho = x(2);
+    const Eigen::Vector3d y = x.head<3>();
+    const double rho = P::inverse_depth(y);
+    const Eigen::RowVector3d J_rho_y = P::inverse_depth_jacobian(y);
     const Eigen::Vector3d s = x.segment<3>(3) * dt + x.tail<3>() * (0.5 * dt * dt);
-    const Eigen::Vector3d g = direction(x(0), x(1)) + rho * s;
+    const Eigen::Vector3d g = P::direction(y) + rho * s;
     const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
     Matrix39d J_g_x;
-    J_g_x << direction_jacobian(x(0), x(1)), s, rho * dt * I, 0.5 * rho * dt * dt * I;
+    J_g_x << P::direction_jacobian(y) + s * J_rho_y, rho * dt * I, 0.5 * rho * dt * dt * I;
     const double n = g.norm();
+    Eigen::Matrix<double, 1, 9> J_next_x = -rho / (n * n * n) * g.transpose() * J_g_x;
+    J_next_x.head<3>() += J_rho_y / n;
     Matrix9d F = Matrix9d::Identity();
-    F.topRows<2>() = angles_jacobian(g) * J_g_x;
-    F.row(2) = -rho / (n * n * n) * g.transpose() * J_g_x;
-    F(2, 2) += 1.0 / n;
+    F.topRows<3>() = moved_jacobian<P>(g, rho / n, J_g_x, J_next_x);
     F.block<3, 3>(3, 6) = dt * I;
     return F;
   }
@@ -75,7 +79,7 @@ struct ConstantAcceleration {
   }
   static Matrix9d noise_jacobian(const Vector9d& x) {
     Matrix9d J = Matrix9d::Identity();
-    J.topLeftCorner<3, 3>() = noise_jacobian_static(x.head<3>());
+    J.topLeftCorner<3, 3>() = noise_jacobian_static<P>(x.head<3>());
     return J;
   }
 
@@ -95,7 +99,5 @@ struct ConstantAcceleration {
         .finished();
   }
 };
-
-static_assert(LandmarkModel<ConstantAcceleration>);
 
 }  // namespace slammot

@@ -1,40 +1,43 @@
-// The thesis's dynamic inverse depth parametrization (2.3): x = (theta, phi, rho, v), v in W [m/s].
+// The thesis's dynamic inverse depth parametrization (2.3): x = (y, v), v in W [m/s].
 //
 // Prediction, (2.5): a + G'/rho' = a + G/rho + v dt. Multiplied by rho it needs no division:
-//   g = G + rho v dt,   (theta', phi') = angles of g,   rho' = rho / |g|,   v' = v.
+//   g = G + rho v dt,   G' = g / |g|,   rho' = rho / |g|,   v' = v.
 #pragma once
 
 #include "models/landmarks/landmark.h"
 
 namespace slammot {
 
+template <PointParametrisation P>
 struct DynamicInverseDepth {
+  using Point = P;
   static constexpr std::string_view kName = "dynamic_inverse_depth";
   static constexpr std::string_view kDescription =
-      "the thesis: inverse depth and velocity in metres (2.3)";
+      "the thesis: position and velocity in metres (2.3)";
   static constexpr int kMotion = 3;
 
   template <typename T>
   static Vector6<T> predict(const Vector6<T>& x, double dt) {
-    const T rho = x(2);
-    const Vector3<T> v = x.template tail<3>();
-    const Vector3<T> g = direction(T(x(0)), T(x(1))) + rho * v * T(dt);
-    Vector6<T> y;
-    y << angles(g, T(x(0))), rho / g.norm(), v;
-    return y;
+    const Vector3<T> y = x.template head<3>(), v = x.template tail<3>();
+    const T rho = P::inverse_depth(y);
+    const Vector3<T> g = P::direction(y) + rho * v * T(dt);
+    Vector6<T> next;
+    next << P::of(g, T(rho / g.norm()), y), v;
+    return next;
   }
 
   static Matrix6d predict_jacobian(const Vector6d& x, double dt) {
-    const double rho = x(2);
-    const Eigen::Vector3d v = x.tail<3>();
-    const Eigen::Vector3d g = direction(x(0), x(1)) + rho * v * dt;
-    Eigen::Matrix<double, 3, 6> J_g_x;
-    J_g_x << direction_jacobian(x(0), x(1)), v * dt, rho * dt * Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d y = x.head<3>(), v = x.tail<3>();
+    const double rho = P::inverse_depth(y);
+    const Eigen::RowVector3d J_rho_y = P::inverse_depth_jacobian(y);
+    const Eigen::Vector3d g = P::direction(y) + rho * v * dt;
+    Matrix36d J_g_x;
+    J_g_x << P::direction_jacobian(y) + v * dt * J_rho_y, rho * dt * Eigen::Matrix3d::Identity();
     const double n = g.norm();
+    Eigen::Matrix<double, 1, 6> J_next_x = -rho / (n * n * n) * g.transpose() * J_g_x;
+    J_next_x.head<3>() += J_rho_y / n;
     Matrix6d F = Matrix6d::Identity();
-    F.topRows<2>() = angles_jacobian(g) * J_g_x;
-    F.row(2) = -rho / (n * n * n) * g.transpose() * J_g_x;
-    F(2, 2) += 1.0 / n;
+    F.topRows<3>() = moved_jacobian<P>(g, rho / n, J_g_x, J_next_x);
     return F;
   }
 
@@ -43,7 +46,7 @@ struct DynamicInverseDepth {
   }
   static Matrix6d noise_jacobian(const Vector6d& x) {
     Matrix6d J = Matrix6d::Identity();
-    J.topLeftCorner<3, 3>() = noise_jacobian_static(x.head<3>());
+    J.topLeftCorner<3, 3>() = noise_jacobian_static<P>(x.head<3>());
     return J;
   }
 
@@ -61,7 +64,5 @@ struct DynamicInverseDepth {
     return Eigen::Vector3d::Constant(prior.velocity_sigma());
   }
 };
-
-static_assert(LandmarkModel<DynamicInverseDepth>);
 
 }  // namespace slammot

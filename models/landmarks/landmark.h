@@ -1,18 +1,19 @@
 // What a model of a possibly moving landmark must provide, and what such models have in common.
 //
-// The state of a free (unknown or moving) landmark is x = (y, w): y = (theta, phi, rho) as in
-// inverse_depth.h, and the numbers w that say how it moves, as many as the model wants. w = 0 means
-// that it is at rest, and the first three of w are its velocity or a multiple of it.
-// A model is one file with fixed sizes and one entry of all_models.h; estimators use its row,
-// whose sizes are known at run time and bounded, so that nothing is allocated.
+// The state of a free (unknown or moving) landmark is x = (y, w): y is its position as a
+// parametrisation P has it (models/points/point.h), and the numbers w say how it moves, as many as
+// the model wants. w = 0 means that it is at rest, and the first three of w are its velocity or a
+// multiple of it. A model is a template over P in one file, with fixed sizes, and one entry of
+// all_models.h; estimators use its row, whose sizes are known at run time and bounded, so that
+// nothing is allocated.
 #pragma once
 
 #include <Eigen/Cholesky>
 #include <concepts>
 
 #include "models/camera_motion.h"
-#include "models/inverse_depth.h"
 #include "models/measurement.h"
+#include "models/points/point.h"
 
 namespace slammot {
 
@@ -51,6 +52,7 @@ using VelocityJacobianOf = Eigen::Matrix<double, 3, kLandmarkDim<M>>;
 template <typename M>
 concept LandmarkModel = requires(const StateOf<M>& x, const Eigen::Vector3d& v, double dt,
                                  const LandmarkPrior& prior) {
+  requires PointParametrisation<typename M::Point>;
   { M::kName } -> std::convertible_to<std::string_view>;
   { M::kDescription } -> std::convertible_to<std::string_view>;
   { M::kMotion } -> std::convertible_to<int>;  // numbers of w, 3 to kMaxMotion
@@ -73,14 +75,24 @@ concept LandmarkModel = requires(const StateOf<M>& x, const Eigen::Vector3d& v, 
 }
 &&M::kMotion >= 3 && M::kMotion <= kMaxMotion;
 
-// d(theta, phi, rho) / d(position in W), per metre, at y: moving the point by p moves the scaled
-// ray G by rho p, and rho' = rho / |G + rho p|.
-inline Eigen::Matrix3d noise_jacobian_static(const Eigen::Vector3d& y) {
-  const double rho = y.z();
-  const Eigen::Vector3d G = direction(y.x(), y.y());
-  Eigen::Matrix3d J;
-  J << rho * angles_jacobian(G), -rho * rho * G.transpose();
-  return J;
+// dy / d(position in W), per metre, at y: moving the point by p moves the scaled ray G by rho p,
+// and rho' = rho / |G + rho p|.
+template <PointParametrisation P>
+Eigen::Matrix3d noise_jacobian_static(const Eigen::Vector3d& y) {
+  const double rho = P::inverse_depth(y);
+  const Eigen::Vector3d G = P::direction(y);
+  const Matrix34d J = P::of_jacobian(G, rho);
+  return rho * J.template leftCols<3>() - rho * rho * J.col(3) * G.transpose();
+}
+
+// dy'/dx of a point that has moved: y' in the direction of g at the inverse depth rho, both of them
+// functions of x.
+template <PointParametrisation P, int N>
+Eigen::Matrix<double, 3, N> moved_jacobian(const Eigen::Vector3d& g, double rho,
+                                           const Eigen::Matrix<double, 3, N>& J_g_x,
+                                           const Eigen::Matrix<double, 1, N>& J_rho_x) {
+  const Matrix34d J = P::of_jacobian(g, rho);
+  return J.template leftCols<3>() * J_g_x + J.col(3) * J_rho_x;
 }
 
 // The root of Wiener noise of acceleration sigma_a [m/s^2] per axis in (position, velocity), 6x6:

@@ -1,6 +1,6 @@
-// The table of landmark models (all_models.h adds one). What estimators use of a model M is
-// gathered in a row of functions, so that an estimator is compiled once and not once for each
-// model.
+// The table of landmark models (all_models.h adds one), each with every point parametrisation. What
+// estimators use of a model M is gathered in a row of functions, so that an estimator is compiled
+// once and not once for each model.
 #pragma once
 
 #include <span>
@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "models/landmarks/landmark.h"
+#include "models/points/point_functions.h"
 
 namespace slammot {
 
@@ -16,6 +17,7 @@ struct LandmarkFunctions {
   std::string_view description;
   bool can_move = true;  // false: every landmark is static, whatever the classifier says
   int motion = 3;        // numbers of w
+  PointFunctions point;  // of y
 
   int dim() const { return 3 + motion; }  // of x = (y, w)
 
@@ -39,6 +41,7 @@ constexpr LandmarkFunctions landmark_row() {
           M::kDescription,
           true,
           M::kMotion,
+          point_row<typename M::Point>(),
           [](const LandmarkVector& x, double dt) -> LandmarkVector { return M::predict(X(x), dt); },
           [](const LandmarkVector& x, double dt) -> LandmarkMatrix {
             return M::predict_jacobian(X(x), dt);
@@ -55,9 +58,13 @@ constexpr LandmarkFunctions landmark_row() {
           [](const LandmarkVector& x) -> VelocityJacobian { return M::velocity_jacobian(X(x)); }};
 }
 
+// All rows: all models with the first parametrisation of point_table(), with the next, ...
 std::span<const LandmarkFunctions> landmark_table();
 
-// Throws std::invalid_argument for an unknown name.
-const LandmarkFunctions& find_landmark(const std::string& name);
+// All models with one parametrisation.
+std::span<const LandmarkFunctions> landmark_table(const PointFunctions& point);
+
+// By the names of model and parametrisation; throws std::invalid_argument for an unknown one.
+const LandmarkFunctions& find_landmark(const std::string& name, const std::string& point);
 
 }  // namespace slammot

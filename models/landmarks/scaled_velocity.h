@@ -1,41 +1,46 @@
 // Scaled velocity: modified polar coordinates (Aidala & Hammel 1983) carried to SLAM (DESIGN 4):
-// x = (theta, phi, rho, u), u = rho v [1/s], v in W.
+// x = (y, u), u = rho v [1/s], v in W.
 //
-// Prediction: g = G + u dt; (theta', phi') = angles of g; rho' = rho/|g|; u' = u/|g|. Nothing is
-// divided by rho, and the bearing rate is linear in (u, rho).
+// Prediction: g = G + u dt; G' = g/|g|; rho' = rho/|g|; u' = u/|g|. Nothing is divided by rho, and
+// the bearing rate is linear in (u, rho).
 #pragma once
 
 #include "models/landmarks/landmark.h"
 
 namespace slammot {
 
+template <PointParametrisation P>
 struct ScaledVelocity {
+  using Point = P;
   static constexpr std::string_view kName = "scaled_velocity";
   static constexpr std::string_view kDescription =
       "velocity times inverse depth: modified polar coordinates";
   static constexpr int kMotion = 3;
 
+  static double rho(const Vector6d& x) { return P::inverse_depth(Eigen::Vector3d(x.head<3>())); }
+
   template <typename T>
   static Vector6<T> predict(const Vector6<T>& x, double dt) {
-    const Vector3<T> u = x.template tail<3>();
-    const Vector3<T> g = direction(T(x(0)), T(x(1))) + u * T(dt);
+    const Vector3<T> y = x.template head<3>(), u = x.template tail<3>();
+    const Vector3<T> g = P::direction(y) + u * T(dt);
     const T n = g.norm();
-    Vector6<T> y;
-    y << angles(g, T(x(0))), x(2) / n, u / n;
-    return y;
+    Vector6<T> next;
+    next << P::of(g, T(P::inverse_depth(y) / n), y), u / n;
+    return next;
   }
 
   static Matrix6d predict_jacobian(const Vector6d& x, double dt) {
-    const Eigen::Vector3d u = x.tail<3>();
-    const Eigen::Vector3d g = direction(x(0), x(1)) + u * dt;
-    Eigen::Matrix<double, 3, 6> J_g_x;
-    J_g_x << direction_jacobian(x(0), x(1)), Eigen::Vector3d::Zero(),
-        dt * Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d y = x.head<3>(), u = x.tail<3>();
+    const Eigen::Vector3d g = P::direction(y) + u * dt;
+    Matrix36d J_g_x;
+    J_g_x << P::direction_jacobian(y), dt * Eigen::Matrix3d::Identity();
     const double n = g.norm();
-    Matrix6d F = Matrix6d::Zero();
-    F.topRows<2>() = angles_jacobian(g) * J_g_x;
-    F.bottomRows<4>() = -x.tail<4>() / (n * n * n) * (g.transpose() * J_g_x);
-    F.bottomRightCorner<4, 4>().diagonal().array() += 1.0 / n;
+    const Eigen::Matrix<double, 1, 6> g_J = g.transpose() * J_g_x;
+    Eigen::Matrix<double, 1, 6> J_next_x = -rho(x) / (n * n * n) * g_J;
+    J_next_x.head<3>() += P::inverse_depth_jacobian(y) / n;
+    Matrix6d F;
+    F << moved_jacobian<P>(g, rho(x) / n, J_g_x, J_next_x), -u / (n * n * n) * g_J;
+    F.bottomRightCorner<3, 3>().diagonal().array() += 1.0 / n;
     return F;
   }
 
@@ -44,32 +49,31 @@ struct ScaledVelocity {
   }
   // u = rho v: moving the point changes rho and with it u, hence the coupling.
   static Matrix6d noise_jacobian(const Vector6d& x) {
-    const double rho = x(2);
+    const Eigen::Vector3d y = x.head<3>();
     Matrix6d J = Matrix6d::Zero();
-    J.topLeftCorner<3, 3>() = noise_jacobian_static(x.head<3>());
-    J.bottomLeftCorner<3, 3>() = -rho * x.tail<3>() * direction(x(0), x(1)).transpose();
-    J.bottomRightCorner<3, 3>().diagonal().setConstant(rho);
+    J.topLeftCorner<3, 3>() = noise_jacobian_static<P>(y);
+    J.bottomLeftCorner<3, 3>() = -rho(x) * x.tail<3>() * P::direction(y).transpose();
+    J.bottomRightCorner<3, 3>().diagonal().setConstant(rho(x));
     return J;
   }
 
-  static Eigen::Vector3d velocity(const Vector6d& x) { return x.tail<3>() / x(2); }
+  static Eigen::Vector3d velocity(const Vector6d& x) { return x.tail<3>() / rho(x); }
   static Matrix36d velocity_jacobian(const Vector6d& x) {
     Matrix36d J = Matrix36d::Zero();
-    J.col(2) = -x.tail<3>() / (x(2) * x(2));
-    J.rightCols<3>().diagonal().setConstant(1.0 / x(2));
+    const Eigen::Vector3d y = x.head<3>();
+    J.leftCols<3>() = -x.tail<3>() / (rho(x) * rho(x)) * P::inverse_depth_jacobian(y);
+    J.rightCols<3>().diagonal().setConstant(1.0 / rho(x));
     return J;
   }
   static Eigen::Vector3d motion_of(const Eigen::Vector3d& y, const Eigen::Vector3d& v) {
-    return y.z() * v;
+    return P::inverse_depth(y) * v;
   }
-  static double density_scale(const Vector6d& x) { return std::abs(x(2) * x(2) * x(2)); }
+  static double density_scale(const Vector6d& x) { return std::abs(rho(x) * rho(x) * rho(x)); }
   static Eigen::Vector3d prior_sigmas(const LandmarkPrior& prior) {
     const double rho = std::hypot(prior.inverse_depth, prior.inverse_depth_sigma, prior.mean_sigma);
     // rho is the root mean square, as stated before any learning.
     return Eigen::Vector3d::Constant(rho * prior.velocity_sigma());
   }
 };
-
-static_assert(LandmarkModel<ScaledVelocity>);
 
 }  // namespace slammot

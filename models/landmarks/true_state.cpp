@@ -2,8 +2,6 @@
 
 #include <stdexcept>
 
-#include "models/inverse_depth.h"
-
 namespace slammot {
 
 const CameraState& true_camera(const Truth& truth, int frame) {
@@ -20,7 +18,7 @@ std::optional<LandmarkVector> true_state(const Truth& truth, const LandmarkFunct
   if (landmark == truth.landmarks.end()) return std::nullopt;
   const TruePoint* point = landmark->second.at(frame);
   if (point == nullptr) return std::nullopt;
-  const Eigen::Vector3d y = inverse_depth_of(Eigen::Vector3d(point->position - anchor));
+  const Eigen::Vector3d y = point_at(functions.point, point->position - anchor);
   return landmark_state(y, functions.motion_of(y, point->velocity));
 }
 

@@ -3,8 +3,6 @@
 // estimate; what is solved, marginalised and reported all comes from these same numbers.
 #pragma once
 
-#include <ceres/loss_function.h>
-
 #include "smoothers/graph/landmark.h"
 #include "smoothers/graph/prior.h"
 
@@ -34,15 +32,6 @@ struct ScenePrior {
   VariableId scene = 0;
   double inverse_depth = 0.0, sigma = 1.0;
   double r = 0.0;
-};
-
-// What all factors share.
-struct GraphModels {
-  Camera camera;
-  double pixel_sigma = 1.0;
-  LandmarkPrior prior;  // of the acceleration noise
-  const LandmarkFunctions* landmark = nullptr;
-  const ceres::LossFunction* loss = nullptr;  // of a pixel; null: squared
 };
 
 // The smoothers solve, refresh the noises (Graph::refresh_noises) and solve again until no noise

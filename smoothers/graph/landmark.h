@@ -1,6 +1,6 @@
 // A landmark in the graph: its variables, and everything that was measured or is assumed of it.
 //
-// A static landmark is y = (theta, phi, rho). A free one is the base state x_0 = (y, w) at the
+// A static landmark is y (models/points/point.h). A free one is the base state x_0 = (y, w) at the
 // oldest frame that concerns it, and from each frame to the next the landmark model with its noise
 // as a variable of its own,
 //

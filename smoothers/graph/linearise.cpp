@@ -80,10 +80,10 @@ double Graph::linearise_pixel(GraphPixel& pixel, const GraphLandmark& l, const E
   const Variable& position = variables[pixel.position];
   const Variable& orientation = variables[pixel.orientation];
   const Variable& anchor = variables[l.anchor];
-  auto at = pixel_residual(models_.camera, models_.pixel_sigma, pixel.z, position.point(),
-                           quaternion(orientation.point()), anchor.point(), y_point);
+  auto at = pixel_residual(models_, pixel.z, position.point(), quaternion(orientation.point()),
+                           anchor.point(), y_point);
   if (at && fixed_points_) {
-    const auto here = pixel_residual(models_.camera, models_.pixel_sigma, pixel.z, position.value,
+    const auto here = pixel_residual(models_, pixel.z, position.value,
                                      quaternion(orientation.value), anchor.value, y);
     if (here) {
       at->r = here->r;
@@ -116,9 +116,10 @@ double Graph::linearise_birth(GraphLandmark& l) {
   birth.J_y.setZero();
   birth.J_scene.setZero();
   if (birth.kind == BirthPrior::Kind::kKnown) {
-    const auto at =
-        known_residual(birth.known, variables[l.anchor].point(), variables[l.y].point());
-    const auto here = known_residual(birth.known, variables[l.anchor].value, variables[l.y].value);
+    const auto at = known_residual(models_.point(), birth.known, variables[l.anchor].point(),
+                                   variables[l.y].point());
+    const auto here = known_residual(models_.point(), birth.known, variables[l.anchor].value,
+                                     variables[l.y].value);
     if (!at || !here) return 0.0;
     birth.r = here->r;
     birth.J_anchor = at->J_anchor;
@@ -126,9 +127,9 @@ double Graph::linearise_birth(GraphLandmark& l) {
     return birth.r.squaredNorm();
   }
   const bool shared = birth.kind == BirthPrior::Kind::kSharedDepth;
-  birth.J_y(0, 2) = 1.0 / birth.sigma;
+  birth.J_y.row(0) = models_.point().inverse_depth_jacobian(variables[l.y].point()) / birth.sigma;
   if (shared) birth.J_scene(0) = -1.0 / birth.sigma;
-  birth.r(0) = depth_residual(birth, variables[l.y].value(2),
+  birth.r(0) = depth_residual(birth, models_.point().inverse_depth(variables[l.y].value),
                               shared ? variables[birth.scene].value(0) : 0.0);
   return birth.r.squaredNorm();
 }

@@ -44,13 +44,15 @@ Vector12d camera_motion_residual(const Matrix12d& weight, double dt, const Camer
   return weight * e;
 }
 
-std::optional<PixelResidual> pixel_residual(const Camera& camera, double sigma,
-                                            const MeasuredPixel& z, const Eigen::Vector3d& position,
+std::optional<PixelResidual> pixel_residual(const GraphModels& models, const MeasuredPixel& z,
+                                            const Eigen::Vector3d& position,
                                             const Eigen::Quaterniond& orientation,
                                             const Eigen::Vector3d& anchor,
                                             const Eigen::Vector3d& y) {
-  const auto h = observe(camera, position, orientation, z.here ? position : anchor, y);
+  const auto h =
+      observe(models.camera, models.point(), position, orientation, z.here ? position : anchor, y);
   if (!h) return std::nullopt;
+  const double sigma = models.pixel_sigma;
   PixelResidual result{(h->pixel - z.pixel) / sigma, h->J_pose / sigma, h->J_anchor / sigma,
                        h->J_y / sigma};
   if (z.here) {
@@ -60,13 +62,13 @@ std::optional<PixelResidual> pixel_residual(const Camera& camera, double sigma,
   return result;
 }
 
-std::optional<KnownResidual> known_residual(const KnownLandmark& known,
+std::optional<KnownResidual> known_residual(const PointFunctions& point, const KnownLandmark& known,
                                             const Eigen::Vector3d& anchor,
                                             const Eigen::Vector3d& y) {
-  if (y.z() == 0.0) return std::nullopt;
-  return KnownResidual{(position_world(anchor, y) - known.position) / known.sigma,
+  if (point.inverse_depth(y) == 0.0) return std::nullopt;
+  return KnownResidual{(position_world(point, anchor, y) - known.position) / known.sigma,
                        Eigen::Matrix3d::Identity() / known.sigma,
-                       position_jacobian(y) / known.sigma};
+                       position_jacobian(point, y) / known.sigma};
 }
 
 }  // namespace slammot

@@ -3,14 +3,27 @@
 // (cost_functions.h) both call them.
 #pragma once
 
+#include <ceres/loss_function.h>
+
 #include <optional>
 
 #include "models/camera.h"
 #include "models/camera_motion.h"
-#include "models/landmarks/landmark.h"
-#include "models/observation.h"
+#include "models/landmarks/landmark_models.h"
+#include "models/points/observation.h"
 
 namespace slammot {
+
+// What all factors share.
+struct GraphModels {
+  Camera camera;
+  double pixel_sigma = 1.0;
+  LandmarkPrior prior;  // of the acceleration noise
+  const LandmarkFunctions* landmark = nullptr;
+  const ceres::LossFunction* loss = nullptr;  // of a pixel; null: squared
+
+  const PointFunctions& point() const { return landmark->point; }
+};
 
 // (x [-] x0) / sigma. `J` may be null.
 Vector12d initial_camera_residual(const InitialCamera& initial, const CameraState& x, Matrix12d* J);
@@ -33,8 +46,8 @@ struct MeasuredPixel {
   Eigen::Vector2d pixel;
   bool here = false;
 };
-std::optional<PixelResidual> pixel_residual(const Camera& camera, double sigma,
-                                            const MeasuredPixel& z, const Eigen::Vector3d& position,
+std::optional<PixelResidual> pixel_residual(const GraphModels& models, const MeasuredPixel& z,
+                                            const Eigen::Vector3d& position,
                                             const Eigen::Quaterniond& orientation,
                                             const Eigen::Vector3d& anchor,
                                             const Eigen::Vector3d& y);
@@ -44,7 +57,7 @@ struct KnownResidual {
   Eigen::Vector3d r;
   Eigen::Matrix3d J_anchor, J_y;
 };
-std::optional<KnownResidual> known_residual(const KnownLandmark& known,
+std::optional<KnownResidual> known_residual(const PointFunctions& point, const KnownLandmark& known,
                                             const Eigen::Vector3d& anchor,
                                             const Eigen::Vector3d& y);
 

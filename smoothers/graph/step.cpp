@@ -10,6 +10,8 @@ namespace {
 // What a measurement behind the camera costs: a candidate step that puts it there is refused.
 constexpr double kImpossible = 1e6;
 
+using Vector1d = Eigen::Matrix<double, 1, 1>;
+
 // (position, orientation, rates) of a camera's step.
 Vector12d camera_step(const Variables& variables, const GraphCamera& c) {
   Vector12d d;
@@ -88,14 +90,17 @@ StepOutcome Graph::try_step() {
 void Graph::try_step(const GraphLandmark& l, StepOutcome& outcome) const {
   const Eigen::Vector3d y = variables[l.y].candidate, anchor = variables[l.anchor].candidate;
   if (l.birth.kind == BirthPrior::Kind::kKnown) {
-    const auto at = known_residual(l.birth.known, anchor, y);
+    const auto at = known_residual(models_.point(), l.birth.known, anchor, y);
     outcome.square += at ? at->r.squaredNorm() : kImpossible;
     if (at) outcome.add(at->r, l.birth.r + birth_change(variables, l));
   } else if (l.birth.kind != BirthPrior::Kind::kNone) {
     const bool shared = l.birth.kind == BirthPrior::Kind::kSharedDepth;
-    const double r =
-        depth_residual(l.birth, y.z(), shared ? variables[l.birth.scene].candidate(0) : 0.0);
+    const double r = depth_residual(l.birth, models_.point().inverse_depth(y),
+                                    shared ? variables[l.birth.scene].candidate(0) : 0.0);
     outcome.square += r * r;
+    if (!models_.point().linear_depth) {
+      outcome.add(Vector1d(r), Vector1d((l.birth.r + birth_change(variables, l)).head<1>()));
+    }
   }
   LandmarkVector x = y;
   if (l.is_free()) {
@@ -122,9 +127,9 @@ void Graph::try_step(const GraphLandmark& l, StepOutcome& outcome) const {
 
 void Graph::try_step(const GraphPixel& pixel, const GraphLandmark& l, const Eigen::Vector3d& y,
                      const LandmarkVector& dx, StepOutcome& outcome) const {
-  const auto h = pixel_residual(
-      models_.camera, models_.pixel_sigma, pixel.z, variables[pixel.position].candidate,
-      quaternion(variables[pixel.orientation].candidate), variables[l.anchor].candidate, y);
+  const auto h = pixel_residual(models_, pixel.z, variables[pixel.position].candidate,
+                                quaternion(variables[pixel.orientation].candidate),
+                                variables[l.anchor].candidate, y);
   if (!h) {
     outcome.square += kImpossible;
     return;

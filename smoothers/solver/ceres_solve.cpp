@@ -103,7 +103,8 @@ class Builder {
     if (l.birth.kind == BirthPrior::Kind::kNone) return;
     if (l.birth.kind == BirthPrior::Kind::kSharedDepth) blocks.push_back(value(l.birth.scene));
     if (l.birth.kind == BirthPrior::Kind::kKnown) blocks = {value(l.anchor), value(l.y)};
-    problem_->AddResidualBlock(birth_cost(l.birth).release(), nullptr, blocks);
+    problem_->AddResidualBlock(birth_cost(graph_.models().point(), l.birth).release(), nullptr,
+                               blocks);
   }
 
   void add_pixel(GraphLandmark& l, const GraphPixel& pixel) {

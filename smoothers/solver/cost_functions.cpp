@@ -86,11 +86,10 @@ class CameraMotionCost final : public ceres::SizedCostFunction<12, 3, 4, 6, 3, 4
 
 class PixelCost final : public ceres::SizedCostFunction<2, 3, 4, 3, 3> {
  public:
-  PixelCost(const Camera& camera, double sigma, const MeasuredPixel& z)
-      : camera_(camera), sigma_(sigma), z_(z) {}
+  PixelCost(const GraphModels& models, const MeasuredPixel& z) : models_(models), z_(z) {}
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    const auto at = pixel_residual(camera_, sigma_, z_, Block3(x[0]), orientation(x[1]),
-                                   Block3(x[2]), Block3(x[3]));
+    const auto at =
+        pixel_residual(models_, z_, Block3(x[0]), orientation(x[1]), Block3(x[2]), Block3(x[3]));
     if (!at) return false;
     Eigen::Map<Eigen::Vector2d>(residuals, 2) = at->r;
     write(jacobians, 0, at->J_pose.leftCols<3>().eval());
@@ -101,19 +100,16 @@ class PixelCost final : public ceres::SizedCostFunction<2, 3, 4, 3, 3> {
   }
 
  private:
-  Camera camera_;
-  double sigma_;
+  const GraphModels& models_;
   MeasuredPixel z_;
 };
 
 class FirstPixelCost final : public ceres::SizedCostFunction<2, 4, 3> {
  public:
-  FirstPixelCost(const Camera& camera, double sigma, const MeasuredPixel& z)
-      : camera_(camera), sigma_(sigma), z_(z) {}
+  FirstPixelCost(const GraphModels& models, const MeasuredPixel& z) : models_(models), z_(z) {}
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
     const Eigen::Vector3d here = Eigen::Vector3d::Zero();
-    const auto at =
-        pixel_residual(camera_, sigma_, z_, here, orientation(x[0]), here, Block3(x[1]));
+    const auto at = pixel_residual(models_, z_, here, orientation(x[0]), here, Block3(x[1]));
     if (!at) return false;
     Eigen::Map<Eigen::Vector2d>(residuals, 2) = at->r;
     write_orientation(jacobians, 0, x[0], at->J_pose.rightCols<3>().eval());
@@ -122,8 +118,7 @@ class FirstPixelCost final : public ceres::SizedCostFunction<2, 4, 3> {
   }
 
  private:
-  Camera camera_;
-  double sigma_;
+  const GraphModels& models_;
   MeasuredPixel z_;
 };
 
@@ -150,8 +145,8 @@ class ChainPixelCost final : public ceres::CostFunction {
       states[i + 1] = model.predict(states[i], chain_[i].dt) +
                       chain_[i].G * Eigen::Map<const Eigen::VectorXd>(x[5 + i], dim);
     }
-    const auto at = pixel_residual(models_.camera, models_.pixel_sigma, z_, Block3(x[0]),
-                                   orientation(x[1]), Block3(x[2]), states.back().head<3>());
+    const auto at = pixel_residual(models_, z_, Block3(x[0]), orientation(x[1]), Block3(x[2]),
+                                   states.back().head<3>());
     if (!at) return false;
     Eigen::Map<Eigen::Vector2d>(residuals, 2) = at->r;
     if (!jacobians) return true;
@@ -179,36 +174,41 @@ class ChainPixelCost final : public ceres::CostFunction {
 
 class DepthCost final : public ceres::SizedCostFunction<1, 3> {
  public:
-  explicit DepthCost(const BirthPrior& birth) : birth_(birth) {}
+  DepthCost(const PointFunctions& point, const BirthPrior& birth) : point_(point), birth_(birth) {}
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    residuals[0] = (x[0][2] - birth_.inverse_depth) / birth_.sigma;
-    write(jacobians, 0, Eigen::RowVector3d(0.0, 0.0, 1.0 / birth_.sigma));
+    const Eigen::Vector3d y = Block3(x[0]);
+    residuals[0] = (point_.inverse_depth(y) - birth_.inverse_depth) / birth_.sigma;
+    write(jacobians, 0, (point_.inverse_depth_jacobian(y) / birth_.sigma).eval());
     return true;
   }
 
  private:
+  const PointFunctions& point_;
   BirthPrior birth_;
 };
 
 class SharedDepthCost final : public ceres::SizedCostFunction<1, 3, 1> {
  public:
-  explicit SharedDepthCost(double sigma) : sigma_(sigma) {}
+  SharedDepthCost(const PointFunctions& point, double sigma) : point_(point), sigma_(sigma) {}
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    residuals[0] = (x[0][2] - x[1][0]) / sigma_;
-    write(jacobians, 0, Eigen::RowVector3d(0.0, 0.0, 1.0 / sigma_));
+    const Eigen::Vector3d y = Block3(x[0]);
+    residuals[0] = (point_.inverse_depth(y) - x[1][0]) / sigma_;
+    write(jacobians, 0, (point_.inverse_depth_jacobian(y) / sigma_).eval());
     write(jacobians, 1, Eigen::Matrix<double, 1, 1>(-1.0 / sigma_));
     return true;
   }
 
  private:
+  const PointFunctions& point_;
   double sigma_;
 };
 
 class KnownLandmarkCost final : public ceres::SizedCostFunction<3, 3, 3> {
  public:
-  explicit KnownLandmarkCost(const KnownLandmark& known) : known_(known) {}
+  KnownLandmarkCost(const PointFunctions& point, const KnownLandmark& known)
+      : point_(point), known_(known) {}
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    const auto at = known_residual(known_, Block3(x[0]), Block3(x[1]));
+    const auto at = known_residual(point_, known_, Block3(x[0]), Block3(x[1]));
     if (!at) return false;
     Eigen::Map<Eigen::Vector3d>(residuals, 3) = at->r;
     write(jacobians, 0, at->J_anchor);
@@ -217,6 +217,7 @@ class KnownLandmarkCost final : public ceres::SizedCostFunction<3, 3, 3> {
   }
 
  private:
+  const PointFunctions& point_;
   KnownLandmark known_;
 };
 
@@ -304,8 +305,8 @@ Cost camera_motion_cost(const Matrix12d& weight, double dt) {
 }
 
 Cost pixel_cost(const GraphModels& models, const MeasuredPixel& z) {
-  if (z.here) return std::make_unique<FirstPixelCost>(models.camera, models.pixel_sigma, z);
-  return std::make_unique<PixelCost>(models.camera, models.pixel_sigma, z);
+  if (z.here) return std::make_unique<FirstPixelCost>(models, z);
+  return std::make_unique<PixelCost>(models, z);
 }
 
 Cost chain_pixel_cost(const GraphModels& models, const MeasuredPixel& z,
@@ -313,14 +314,14 @@ Cost chain_pixel_cost(const GraphModels& models, const MeasuredPixel& z,
   return std::make_unique<ChainPixelCost>(models, z, chain, depth);
 }
 
-Cost birth_cost(const BirthPrior& birth) {
+Cost birth_cost(const PointFunctions& point, const BirthPrior& birth) {
   if (birth.kind == BirthPrior::Kind::kKnown) {
-    return std::make_unique<KnownLandmarkCost>(birth.known);
+    return std::make_unique<KnownLandmarkCost>(point, birth.known);
   }
   if (birth.kind == BirthPrior::Kind::kSharedDepth) {
-    return std::make_unique<SharedDepthCost>(birth.sigma);
+    return std::make_unique<SharedDepthCost>(point, birth.sigma);
   }
-  return std::make_unique<DepthCost>(birth);
+  return std::make_unique<DepthCost>(point, birth);
 }
 
 Cost gaussian_cost(const Eigen::VectorXd& mean, const Eigen::VectorXd& sigmas) {

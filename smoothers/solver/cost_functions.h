@@ -33,7 +33,7 @@ Cost initial_camera_cost(const InitialCamera& initial);
 Cost camera_motion_cost(const Matrix12d& weight, double dt);
 
 // Blocks: position, orientation, anchor, y; seen from the anchor itself orientation, y. Fails when
-// the landmark is behind the camera.
+// the landmark is behind the camera. The models must outlive it.
 Cost pixel_cost(const GraphModels& models, const MeasuredPixel& z);
 
 // Seen `depth` >= 1 steps after the base. Blocks: position, orientation, anchor, y, w, then `depth`
@@ -42,7 +42,7 @@ Cost chain_pixel_cost(const GraphModels& models, const MeasuredPixel& z,
                       const std::vector<ChainStep>& chain, int depth);
 
 // Block y; of a shared depth y and the scene's mean; of a known landmark anchor and y.
-Cost birth_cost(const BirthPrior& birth);
+Cost birth_cost(const PointFunctions& point, const BirthPrior& birth);
 
 // (x - mean) / sigma, number by number. One block.
 Cost gaussian_cost(const Eigen::VectorXd& mean, const Eigen::VectorXd& sigmas);

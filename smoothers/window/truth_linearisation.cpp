@@ -47,8 +47,8 @@ void TruthLinearisation::apply(const WindowLandmark& landmark) const {
 std::optional<ObservedPixel> TruthLinearisation::observe(const WindowLandmark& landmark) const {
   const CameraState x = graph_.linearisation_point(cameras_.newest().camera);
   const Eigen::Vector3d anchor = graph_.variables[graph_[landmark.id].anchor].point();
-  return slammot::observe(graph_.models().camera, x.position, x.orientation, anchor,
-                          states(landmark).back().head<3>());
+  return slammot::observe(graph_.models().camera, graph_.models().point(), x.position,
+                          x.orientation, anchor, states(landmark).back().head<3>());
 }
 
 }  // namespace slammot

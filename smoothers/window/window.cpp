@@ -1,7 +1,7 @@
 #include "smoothers/window/window.h"
 
 #include "estimation/frame_loop.h"
-#include "models/initialisation.h"
+#include "models/points/initialisation.h"
 #include "smoothers/window/robust_loss.h"
 #include "smoothers/window/window_belief.h"
 
@@ -28,7 +28,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
     : setup_(setup),
       options_(options),
       condition_(models.collapse == Collapse::kCondition),
-      functions_(find_landmark(models.landmark)),
+      functions_(find_landmark(models.landmark, models.point)),
       loss_(make_loss(options.loss)),
       graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get()},
              fixed_points(options.linearisation)),
@@ -77,7 +77,8 @@ void Window::predict(const Frame& frame, double dt) {
 
 void Window::add_known(const KnownLandmark& known) {
   const VariableId anchor = cameras_.newest().camera.position;
-  const Eigen::Vector3d y = initialise_known(known, graph_.variables[anchor].value).y;
+  const Eigen::Vector3d y =
+      initialise_known(functions_.point, known, graph_.variables[anchor].value).y;
   const WindowLandmark& landmark = insert(known.track, anchor, y);
   if (histories_) histories_->begin(known.track, cameras_.newest().number, true);
   GraphLandmark& l = graph_[landmark.id];
@@ -182,7 +183,8 @@ bool Window::add(const Observation& z, const LandmarkPrior& prior, bool is_free)
   const WindowFrame& newest = cameras_.newest();
   const auto& scene = graph_.scene;
   const double depth = scene ? graph_.variables[scene->scene].value(0) : prior.inverse_depth;
-  const auto here = initialise(setup_.camera, cameras_.state(newest).orientation, z.pixel, depth);
+  const auto here = initialise(setup_.camera, functions_.point, cameras_.state(newest).orientation,
+                               z.pixel, depth);
   if (!here) return false;
   WindowLandmark& landmark = insert(z.track, newest.camera.position, here->y);
   if (histories_) histories_->begin(z.track, newest.number, false);

@@ -1,5 +1,5 @@
 // What gate, labels, births and reports read from the last factorisation.
-#include "models/initialisation.h"
+#include "models/points/initialisation.h"
 #include "smoothers/window/window_belief.h"
 
 namespace slammot {
@@ -56,8 +56,8 @@ std::optional<PixelInnovation> Window::innovation(const Observation& z) const {
   const WindowLandmark& landmark = landmarks_.at(z.track);
   const GraphLandmark& l = graph_[landmark.id];
   const CameraState x = cameras_.state(cameras_.newest());
-  const auto h = expect(setup_.camera, x.position, x.orientation, graph_.value(l.anchor),
-                        graph_.newest_state(l).head<3>());
+  const auto h = expect(setup_.camera, functions_.point, x.position, x.orientation,
+                        graph_.value(l.anchor), graph_.newest_state(l).head<3>());
   if (!h) return std::nullopt;
   PixelInnovation result{z, z.pixel - h->pixel, Eigen::Matrix2d::Zero()};
   const ObservedPixel at = truth_ ? truth_.observe(landmark).value_or(*h) : *h;
@@ -79,7 +79,8 @@ Eigen::Matrix2d Window::innovation_of_new(const WindowLandmark& landmark,
                                           const ObservedPixel& h) const {
   const GraphLandmark& l = graph_[landmark.id];
   const Eigen::Matrix3d J_y_position =
-      initialise_known(l.birth.known, graph_.variables[l.anchor].point()).J_y_position;
+      initialise_known(functions_.point, l.birth.known, graph_.variables[l.anchor].point())
+          .J_y_position;
   const Matrix23d J_position = h.J_y * J_y_position;
   Eigen::Matrix<double, 2, kCameraDim> H = Eigen::Matrix<double, 2, kCameraDim>::Zero();
   H.leftCols<6>() = h.J_pose;
@@ -112,11 +113,11 @@ void Window::leave_one_out(std::vector<LeaveOneOut>& result) {
 void Window::inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) {
   result.clear();
   prepare(tracks);
-  constexpr int kRho = kCameraDim + 5;
+  constexpr int kY = kCameraDim + 3;
   for (const int track : tracks) {
     const WindowLandmark& landmark = landmarks_.at(track);
-    result.push_back({graph_.value(graph_[landmark.id].y)(2),
-                      std::sqrt(optimiser_.equations().joint(landmark.id)(kRho, kRho))});
+    result.push_back(seen_depth(functions_.point, graph_.value(graph_[landmark.id].y),
+                                optimiser_.equations().joint(landmark.id).block<3, 3>(kY, kY)));
   }
 }
 

@@ -7,7 +7,7 @@
 
 #include "eval/run/process.h"
 #include "filters/ekf.h"
-#include "models/observation.h"
+#include "models/points/observation.h"
 #include "smoothers/window/window.h"
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

@@ -5,6 +5,7 @@
 #include "estimation/track_policy.h"
 #include "models/landmarks/dynamic_inverse_depth.h"
 #include "models/landmarks/scaled_velocity.h"
+#include "models/points/inverse_depth.h"
 
 namespace slammot {
 namespace {
@@ -48,12 +49,12 @@ TEST(Thesis, TheDensityIsThatOfTheVelocityInMetres) {
   Vector6d x;
   x << 0.1, 0.2, 0.1, 0, 0, 0;
   MotionBelief b = belief({0, 0, 0}, 0.0341);
-  b.density_scale = ScaledVelocity::density_scale(x);
+  b.density_scale = ScaledVelocity<InverseDepth>::density_scale(x);
   EXPECT_NEAR(b.density_scale, 1e-3, 1e-15);
   EXPECT_EQ(decide("thesis", b), Label::kStatic);
   b.covariance *= 1.01;
   EXPECT_EQ(decide("thesis", b), Label::kUnknown);
-  EXPECT_EQ(DynamicInverseDepth::density_scale(x), 1.0);
+  EXPECT_EQ(DynamicInverseDepth<InverseDepth>::density_scale(x), 1.0);
 }
 
 TEST(BayesFactor, IsThePosteriorOverThePriorDensityAtRest) {

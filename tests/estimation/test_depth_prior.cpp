@@ -6,6 +6,7 @@
 
 #include "estimation/depth_prior.h"
 #include "models/landmarks/scaled_velocity.h"
+#include "models/points/inverse_depth.h"
 
 namespace slammot {
 namespace {
@@ -35,7 +36,7 @@ TEST(DepthPrior, AWrongGuessNoLongerDecides) {
     EXPECT_GT(learnt.inverse_depth_sigma, 0.8 * kSpread);
     EXPECT_LT(learnt.inverse_depth_sigma, 4.0 * kSpread);
     // The prior of a scaled velocity follows.
-    EXPECT_NEAR(ScaledVelocity::prior_sigmas(learnt).x(),
+    EXPECT_NEAR(ScaledVelocity<InverseDepth>::prior_sigmas(learnt).x(),
                 std::hypot(learnt.inverse_depth, learnt.inverse_depth_sigma), 1e-12);
   }
 }

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "estimation/frame_loop.h"
-#include "models/initialisation.h"
-#include "models/observation.h"
+#include "models/points/initialisation.h"
+#include "models/points/observation.h"
 
 namespace slammot {
 namespace {
@@ -58,7 +58,7 @@ class Unscented final : public Belief {
   Unscented(const Setup& setup, const ModelOptions& models)
       : setup_(setup),
         condition_(models.collapse == Collapse::kCondition),
-        functions_(find_landmark(models.landmark)),
+        functions_(find_landmark(models.landmark, models.point)),
         camera_(setup.initial.state),
         x_(VectorXd::Zero(13)) {
     x_(kScene) = setup.prior.inverse_depth;
@@ -80,7 +80,7 @@ class Unscented final : public Belief {
   }
 
   void add_known(const KnownLandmark& known) override {
-    const NewKnownLandmark here = initialise_known(known, camera_.position);
+    const NewKnownLandmark here = initialise_known(functions_.point, known, camera_.position);
     const MatrixXd root = here.J_y_position * known.sigma;
     insert(known.track, here.y, -here.J_y_position, root * root.transpose());
   }
@@ -135,8 +135,8 @@ class Unscented final : public Belief {
   void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override {
     result.clear();
     for (const int track : tracks) {
-      const int rho = landmarks_.at(track).y.back();
-      result.push_back({x_(rho), std::sqrt(P_(rho, rho))});
+      const Rows& y = landmarks_.at(track).y;
+      result.push_back(seen_depth(functions_.point, x_(y), P_(y, y)));
     }
   }
 
@@ -171,13 +171,13 @@ class Unscented final : public Belief {
   bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override {
     const bool shared = setup_.prior.mean_sigma > 0.0;  // the mean is in the state
     const double rho = shared ? x_(kScene) : prior.inverse_depth;
-    const auto born = initialise(setup_.camera, camera_.orientation, z.pixel, rho);
+    const auto born =
+        initialise(setup_.camera, functions_.point, camera_.orientation, z.pixel, rho);
     if (!born) return false;
-    MatrixXd J = MatrixXd::Zero(3, 13), root = MatrixXd::Zero(3, 3);
-    J.block<2, 3>(0, kRotation) = born->J_angles_rotation;
-    J(2, kScene) = shared ? 1.0 : 0.0;
-    root.topLeftCorner<2, 2>() = setup_.pixel_sigma * born->J_angles_pixel;
-    root(2, 2) = prior.inverse_depth_sigma;
+    MatrixXd J = MatrixXd::Zero(3, 13), root(3, 3);
+    J.middleCols<3>(kRotation) = born->J_rotation;
+    if (shared) J.col(kScene) = born->J_inverse_depth;
+    root << setup_.pixel_sigma * born->J_pixel, prior.inverse_depth_sigma * born->J_inverse_depth;
     insert(z.track, born->y, J, root * root.transpose());
     if (is_free) free(z.track, prior);
     return true;
@@ -251,15 +251,16 @@ class Unscented final : public Belief {
     const VectorXd x = x_(rows);
     const Eigen::Vector3d r = camera_.position, anchor = x.segment<3>(6), y = x.tail<3>();
     const Eigen::Quaterniond R = camera_.orientation;
-    if (!expect(setup_.camera, r, R, anchor, y)) return {VectorXd::Constant(2, kUndefined), {}, {}};
+    if (!expect(setup_.camera, functions_.point, r, R, anchor, y))
+      return {VectorXd::Constant(2, kUndefined), {}, {}};
     MatrixXd J = MatrixXd::Zero(9, 12);
     J.rightCols<9>().setIdentity();
     J.block<3, 3>(3, 0) = -Eigen::Matrix3d::Identity();
     Linearised h = through_sigma_points(
         J * P_(rows, rows) * J.transpose(), [&](const VectorXd& u) -> VectorXd {
           const Eigen::Quaterniond turned = R * exp_so3<double>(u.head<3>());
-          const auto seen =
-              observe(setup_.camera, r, turned, anchor + u.segment<3>(3), y + u.tail<3>());
+          const auto seen = observe(setup_.camera, functions_.point, r, turned,
+                                    anchor + u.segment<3>(3), y + u.tail<3>());
           return seen ? seen->pixel : Eigen::Vector2d::Constant(kUndefined);
         });
     h.A *= J;

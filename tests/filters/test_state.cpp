@@ -11,8 +11,8 @@
 namespace slammot {
 namespace {
 
-const Linearisation kStandard(FilterLinearisation::kStandard, find_landmark("scaled_velocity"),
-                              nullptr);
+const Linearisation kStandard(FilterLinearisation::kStandard,
+                              find_landmark("scaled_velocity", "inverse_depth"), nullptr);
 
 Camera pinhole() { return {640, 480, 385.0, 385.0, 319.5, 239.5, PinholeLens{}}; }
 
@@ -45,8 +45,8 @@ std::vector<Observation> pixels_of(const JointState& state, unsigned seed) {
   std::normal_distribution<double> normal;
   std::vector<Observation> matches;
   for (const auto& [track, l] : state.landmarks) {
-    const auto z = observe(pinhole(), state.camera.position, state.camera.orientation,
-                           state.anchors.at(l.anchor).position, l.y);
+    const auto z = observe(pinhole(), kStandard.point(), state.camera.position,
+                           state.camera.orientation, state.anchors.at(l.anchor).position, l.y);
     matches.push_back({track, z->pixel + 2.0 * Eigen::Vector2d(normal(engine), normal(engine))});
   }
   return matches;

@@ -1,12 +1,13 @@
 // Every analytic Jacobian of models/ against Ceres' automatic differentiation, on random states and
 // on nearly degenerate ones: rho near 0, rays at the image border, phi near +-pi/2, no rotation.
+// Those of points are in test_points.cpp.
 #include <gtest/gtest.h>
 
 #include "models/camera.h"
 #include "models/camera_motion.h"
-#include "models/initialisation.h"
-#include "models/observation.h"
-#include "tests/models/fixture.h"
+#include "models/points/initialisation.h"
+#include "models/points/observation.h"
+#include "tests/models/point_fixture.h"
 
 namespace slammot {
 namespace {
@@ -56,18 +57,20 @@ Camera camera_with(std::string_view lens, std::vector<double> distortion) {
 
 class ObservationJacobians : public testing::TestWithParam<Camera> {};
 
-TEST_P(ObservationJacobians, PixelOfALandmark) {
+template <PointParametrisation P>
+void expect_jacobians_of_the_pixel(const Camera& camera) {
   constexpr int N = 12;  // position 3, rotation 3, anchor 3, y 3
+  constexpr PointFunctions kPoint = point_row<P>();
   Random random;
-  const Camera& camera = GetParam();
   int tested = 0;
-  while (tested < kStates) {
+  while (tested < kStates / 2) {
     const CameraState x = random_camera(random);
-    Eigen::Vector3d anchor = random.vector(2.0), y = random.y();
+    Eigen::Vector3d anchor = random.vector(2.0), y = random_point<P>(random);
     if (tested % 3 == 0) anchor = x.position;  // as in the frame of its birth
-    const Eigen::Vector3d ray = ray_camera(x.position, x.orientation, anchor, y);
+    const Eigen::Vector3d ray =
+        ray_camera(x.position, x.orientation, anchor, P::direction(y), P::inverse_depth(y));
     if (ray.z() < 0.3 * ray.norm()) continue;  // 72 degrees: beyond the border of any image here
-    const auto z = observe(camera, x.position, x.orientation, anchor, y);
+    const auto z = observe(camera, kPoint, x.position, x.orientation, anchor, y);
     ASSERT_TRUE(z);
     Vector3<Jet<N>> r, a, y_jet, d;
     for (int i = 0; i < 3; ++i) {
@@ -77,7 +80,8 @@ TEST_P(ObservationJacobians, PixelOfALandmark) {
       y_jet(i) = Jet<N>(y(i), 9 + i);
     }
     const Eigen::Quaternion<Jet<N>> R(x.orientation.cast<Jet<N>>() * exp_so3(d));
-    const Vector3<Jet<N>> ray_jet = ray_camera(r, R, a, y_jet);
+    const Vector3<Jet<N>> ray_jet =
+        ray_camera(r, R, a, P::direction(y_jet), P::inverse_depth(y_jet));
     const Vector2<Jet<N>> plane(ray_jet.x() / ray_jet.z(), ray_jet.y() / ray_jet.z());
     const Vector2<Jet<N>> distorted =
         std::visit([&](const auto& lens) { return lens.distort(plane); }, camera.lens);
@@ -91,6 +95,15 @@ TEST_P(ObservationJacobians, PixelOfALandmark) {
   }
 }
 
+template <typename... P>
+void expect_jacobians_of_every_pixel(const Camera& camera, const std::tuple<P...>*) {
+  (expect_jacobians_of_the_pixel<P>(camera), ...);
+}
+
+TEST_P(ObservationJacobians, PixelOfALandmark) {
+  expect_jacobians_of_every_pixel(GetParam(), static_cast<const PointParametrisations*>(nullptr));
+}
+
 TEST_P(ObservationJacobians, InitialisationInvertsObservation) {
   Random random;
   const Camera& camera = GetParam();
@@ -99,18 +112,23 @@ TEST_P(ObservationJacobians, InitialisationInvertsObservation) {
     Eigen::Vector2d pixel(random.uniform(0, camera.width - 1),
                           random.uniform(0, camera.height - 1));
     if (k % 5 == 0) pixel = {k % 2 ? -0.5 : camera.width - 0.6, k % 3 ? -0.5 : camera.height - 0.6};
-    const auto born = initialise(camera, R, pixel, 0.3);
+    const PointFunctions& point = point_table()[static_cast<std::size_t>(k) % point_table().size()];
+    const auto born = initialise(camera, point, R, pixel, 0.3);
     ASSERT_TRUE(born);
     const Eigen::Vector3d here(1.0, 2.0, 3.0);
-    const auto z = observe(camera, here, R, here, born->y);
+    const auto z = observe(camera, point, here, R, here, born->y);
     ASSERT_TRUE(z);
     EXPECT_LT((z->pixel - pixel).norm(), 1e-7);
-    // Implicit function theorem: J_y J_angles_pixel = I, J_y J_angles_rotation = -J_rotation.
-    if (std::abs(std::cos(born->y.y())) < 1e-2) continue;
-    const Eigen::Matrix2d J_angles = z->J_y.leftCols<2>();
-    EXPECT_LT((J_angles * born->J_angles_pixel - Eigen::Matrix2d::Identity()).norm(), 1e-7);
+    // Implicit function theorem, where theta is defined.
+    if (std::abs(point.ray(born->y).direction.y()) > 0.9999) continue;
+    EXPECT_LT((z->J_y * born->J_pixel - Eigen::Matrix2d::Identity()).norm(), 1e-7);
     const Matrix23d J_rotation = z->J_pose.rightCols<3>();
-    EXPECT_LT((J_angles * born->J_angles_rotation + J_rotation).norm(), 1e-7 * J_rotation.norm());
+    EXPECT_LT((z->J_y * born->J_rotation + J_rotation).norm(), 1e-7 * J_rotation.norm());
+    EXPECT_LT((z->J_y * born->J_inverse_depth).norm(), 1e-7 * z->J_y.norm());
+    const Eigen::RowVector3d J_rho = point.inverse_depth_jacobian(born->y);
+    EXPECT_NEAR(point.inverse_depth(born->y), 0.3, 1e-12);
+    EXPECT_NEAR(J_rho * born->J_inverse_depth, 1.0, 1e-9);
+    EXPECT_LT((J_rho * born->J_pixel).norm(), 1e-9);
   }
 }
 
@@ -121,17 +139,6 @@ INSTANTIATE_TEST_SUITE_P(Lenses, ObservationJacobians,
                          [](const auto& tested) {
                            return std::string(lens_name(tested.param.lens));
                          });
-
-TEST(Jacobians, InverseDepthOfAPointInvertsItsPosition) {
-  Random random;
-  for (int k = 0; k < kStates; ++k) {
-    const Eigen::Vector3d anchor = random.vector(5.0), d = random.vector(4.0);
-    const Eigen::Vector3d y = inverse_depth_of(d);
-    EXPECT_LT((position_world(anchor, y) - anchor - d).norm(), 1e-12 * (1.0 + d.norm()));
-    const Eigen::Matrix3d I = position_jacobian(y) * inverse_depth_jacobian(d);
-    EXPECT_LT((I - Eigen::Matrix3d::Identity()).norm(), 1e-9);
-  }
-}
 
 TEST(CameraNoise, BothDiscretisationsGiveTheVelocityTheSameVariance) {
   CameraState x;

@@ -16,7 +16,7 @@ constexpr double kExact = 1e-8;  // [sigma]
 
 // Frames 0 to 2 have left. With them `brief` fell asleep, then `lone`, then `known` and the anchor
 // of both, while bases moved on along their chains, in the prior and out of it.
-struct InactiveMap : testing::TestWithParam<std::string> {
+struct InactiveMap : testing::TestWithParam<test::Model> {
   InactiveMap() : scene(10, {GetParam()}), graph(scene.graph) {
     leave({graph[Scene::kBrief].y});
     leave({graph[Scene::kLone].y});

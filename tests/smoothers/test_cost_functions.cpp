@@ -65,7 +65,7 @@ std::vector<SmallVector> blocks_of(const CameraState& x) {
 struct CostFunctions : testing::Test {
   std::mt19937_64 engine{11};
   std::normal_distribution<double> normal;
-  GraphModels models{test::pinhole(), 2.0, {}, nullptr, nullptr};
+  GraphModels models{test::pinhole(), 2.0, {}, &landmark_table().front(), nullptr};
   CameraState a, b;
   SmallVector anchor, y;
 
@@ -77,8 +77,7 @@ struct CostFunctions : testing::Test {
     b = boxplus(predict(a, 0.1), Vector12d(normals(12, 0.05)));
     anchor = a.position + Eigen::Vector3d(normals(3, 0.3));
     const Eigen::Vector3d ray = a.orientation * Eigen::Vector3d(0.2 * normal(engine), 0.1, 1.0);
-    y.resize(3);
-    y << angles(ray, 0.0), 0.2;
+    y = models.point().of(ray, 0.2, Eigen::Vector3d::Zero());
   }
 };
 
@@ -98,6 +97,8 @@ TEST_F(CostFunctions, OfCameras) {
 
 TEST_F(CostFunctions, OfStaticLandmarks) {
   for (int k = 0; k < 200; ++k) {
+    const auto points = point_table();
+    models.landmark = &landmark_table(points[static_cast<std::size_t>(k) % points.size()]).front();
     draw();
     const std::vector<SmallVector> pose = blocks_of(a);
     expect_gradients(*pixel_cost(models, {{300, 200}, false}), {pose[0], pose[1], anchor, y});
@@ -106,12 +107,12 @@ TEST_F(CostFunctions, OfStaticLandmarks) {
     birth.inverse_depth = 0.3;
     birth.sigma = 0.1;
     birth.kind = BirthPrior::Kind::kDepth;
-    expect_gradients(*birth_cost(birth), {y});
+    expect_gradients(*birth_cost(models.point(), birth), {y});
     birth.kind = BirthPrior::Kind::kSharedDepth;
-    expect_gradients(*birth_cost(birth), {y, SmallVector::Constant(1, 0.25)});
+    expect_gradients(*birth_cost(models.point(), birth), {y, SmallVector::Constant(1, 0.25)});
     birth.kind = BirthPrior::Kind::kKnown;
     birth.known = {1, normals(3, 2.0), 0.1};
-    expect_gradients(*birth_cost(birth), {anchor, y});
+    expect_gradients(*birth_cost(models.point(), birth), {anchor, y});
     expect_gradients(*gaussian_cost(normals(5, 1.0), Eigen::VectorXd::LinSpaced(5, 0.1, 2.0)),
                      {normals(5, 1.0)});
   }
@@ -119,9 +120,9 @@ TEST_F(CostFunctions, OfStaticLandmarks) {
 
 TEST_F(CostFunctions, OfFreeLandmarks) {
   for (const LandmarkFunctions& landmark : landmark_table()) {
-    SCOPED_TRACE(landmark.name);
+    SCOPED_TRACE(std::string(landmark.name) + " " + std::string(landmark.point.name));
     models.landmark = &landmark;
-    for (int k = 0; k < 100; ++k) {
+    for (int k = 0; k < 50; ++k) {
       draw();
       const SmallVector w = normals(landmark.motion, 0.3);
       const LandmarkVector x = landmark_state(Eigen::Vector3d(y), w);
@@ -165,8 +166,8 @@ TEST_F(CostFunctions, OfTheMarginalPrior) {
 TEST_F(CostFunctions, FailBehindTheCamera) {
   draw();
   const std::vector<SmallVector> pose = blocks_of(a);
-  SmallVector behind = y;
-  behind(0) += 3.14;
+  const Eigen::Vector3d back = -models.point().ray(Eigen::Vector3d(y)).direction;
+  const SmallVector behind = models.point().of(back, 0.2, Eigen::Vector3d::Zero());
   const Cost cost = pixel_cost(models, {{300, 200}, true});
   const double* blocks[] = {pose[1].data(), behind.data()};
   double r[2];

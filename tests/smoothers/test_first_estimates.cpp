@@ -13,7 +13,7 @@ using test::Scene;
 constexpr double kExact = 1e-8;  // [sigma]
 
 struct FirstEstimates : testing::TestWithParam<bool> {
-  FirstEstimates() : scene(12, {"scaled_velocity", false, GetParam()}), graph(scene.graph) {}
+  FirstEstimates() : scene(12, {test::kModel, false, GetParam()}), graph(scene.graph) {}
   bool are_fixed() const { return GetParam(); }
   const GraphPixel& pixel(LandmarkId id, int frame) const {
     for (const GraphPixel& p : graph[id].pixels) {
@@ -57,8 +57,8 @@ TEST_P(FirstEstimates, JacobiansBesideThePriorStay) {
   const Variable& orientation = graph.variables[scene.cameras[2].orientation];
   const GraphPixel& at = pixel(Scene::kPlain, 2);
   const auto residual = [&](const SmallVector& a, const SmallVector& of_y) {
-    return pixel_residual(graph.models().camera, graph.models().pixel_sigma, at.z, position.value,
-                          quaternion(orientation.value), a, of_y)
+    return pixel_residual(graph.models(), at.z, position.value, quaternion(orientation.value), a,
+                          of_y)
         .value();
   };
   const SmallVector new_anchor = graph.variables[plain.anchor].value,
@@ -132,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(OrNot, FirstEstimates, testing::Bool());
 
 // At the truth noises have points too, and F^-1 is that of the factors: all of it is exact.
 TEST(LinearisationPoints, MarginalisationIsExact) {
-  for (const std::string& model : test::models()) {
+  for (const test::Model& model : test::models()) {
     Scene scene(13, {model, false, true});
     scene.fix_points();
     EXPECT_GT((test::stored_problem(scene.graph).J - test::dense_problem(scene.graph).J).norm(),

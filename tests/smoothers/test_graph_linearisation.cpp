@@ -18,7 +18,7 @@ std::vector<VariableId> some_of_all(const Scene& scene) {
           scene.cameras[0].orientation};
 }
 
-struct GraphLinearisation : testing::TestWithParam<std::tuple<std::string, bool, bool>> {
+struct GraphLinearisation : testing::TestWithParam<std::tuple<test::Model, bool, bool>> {
   GraphLinearisation() : scene(3, {std::get<0>(GetParam()), std::get<1>(GetParam()), false}) {
     if (std::get<2>(GetParam())) {
       scene.hold(some_of_all(scene));

@@ -12,7 +12,7 @@ using test::Scene;
 
 constexpr double kExact = 1e-8;  // [sigma]
 
-struct Marginalisation : testing::TestWithParam<std::string> {
+struct Marginalisation : testing::TestWithParam<test::Model> {
   Marginalisation() : scene(9, {GetParam()}), graph(scene.graph) {}
   void expect_exact(const Leaving& leaving) {
     EXPECT_LT(test::change_by_marginalising(scene, leaving), kExact);

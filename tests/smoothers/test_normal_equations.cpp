@@ -47,7 +47,7 @@ const std::vector<Held> kHeld{
                s.cameras[4].orientation, g[Scene::kBrief].y,       s.cameras[0].orientation};
      }}};
 
-struct EliminatedEquations : testing::TestWithParam<std::tuple<std::string, Held>> {
+struct EliminatedEquations : testing::TestWithParam<std::tuple<test::Model, Held>> {
   EliminatedEquations() : scene(5, {std::get<0>(GetParam())}), graph(scene.graph) {
     const Held& held = std::get<1>(GetParam());
     if (held.ids) {
@@ -135,7 +135,9 @@ INSTANTIATE_TEST_SUITE_P(Scenes, EliminatedEquations,
                          testing::Combine(testing::ValuesIn(test::models()),
                                           testing::ValuesIn(kHeld)),
                          [](const auto& scene) {
-                           return std::get<0>(scene.param) + "_" + std::get<1>(scene.param).name;
+                           return std::get<0>(scene.param).landmark + "_" +
+                                  std::get<0>(scene.param).point + "_" +
+                                  std::get<1>(scene.param).name;
                          });
 
 // A landmark that has just been seen: its own three rows determine it, and nothing else. Before the

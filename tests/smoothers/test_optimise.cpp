@@ -16,8 +16,8 @@ using test::Scene;
 
 TEST(Optimise, FindsTheMinimumThatCeresFinds) {
   for (const bool is_robust : {false, true}) {
-    Scene ours(15, {"scaled_velocity", is_robust, false});
-    Scene theirs(15, {"scaled_velocity", is_robust, false});
+    Scene ours(15, {test::kModel, is_robust, false});
+    Scene theirs(15, {test::kModel, is_robust, false});
     for (Scene* scene : {&ours, &theirs}) {
       scene->hold({scene->graph[Scene::kPlain].y, scene->cameras[0].orientation,
                    scene->graph[Scene::kMoving].y, scene->graph[Scene::kMoving].w});
@@ -121,8 +121,7 @@ TEST(Optimise, DampsAStepThatRaisesTheCost) {
 TEST(Optimise, DampsAStepThatRaisesTheCostWithFixedPoints) {
   for (unsigned seed = 1;; ++seed) {
     ASSERT_LT(seed, 100u) << "no such scene";
-    Scene scene(seed, {"scaled_velocity", false, true}),
-        every(seed, {"scaled_velocity", false, true});
+    Scene scene(seed, {test::kModel, false, true}), every(seed, {test::kModel, false, true});
     for (Scene* s : {&scene, &every}) {
       s->marginalise(s->oldest_leaves());
       s->move(10.0);

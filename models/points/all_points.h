@@ -1,0 +1,13 @@
+// Every parametrisation of a point: one entry adds one, to the table, to every landmark model and
+// to the tests of models and estimators.
+#pragma once
+
+#include <tuple>
+
+#include "models/points/inverse_depth.h"
+
+namespace slammot {
+
+using PointParametrisations = std::tuple<InverseDepth>;
+
+}  // namespace slammot

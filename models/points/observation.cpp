@@ -1,0 +1,51 @@
+#include "models/points/observation.h"
+
+namespace slammot {
+
+namespace {
+
+constexpr double kNearest = 0.01;  // [m]
+
+}  // namespace
+
+std::optional<ObservedPixel> observe(const Camera& camera, const PointFunctions& point,
+                                     const Eigen::Vector3d& r, const Eigen::Quaterniond& R,
+                                     const Eigen::Vector3d& anchor, const Eigen::Vector3d& y) {
+  const PointRay from_anchor = point.ray(y);
+  const double rho = from_anchor.inverse_depth;
+  const Eigen::Vector3d ray = ray_camera(r, R, anchor, from_anchor.direction, rho);
+  if (ray.norm() < kNearest * rho) return std::nullopt;
+  const auto projection = camera.project(ray);
+  if (!projection) return std::nullopt;
+  const Matrix23d J_pixel_world = projection->J_pixel_ray * R.conjugate().toRotationMatrix();
+  ObservedPixel z;
+  z.pixel = projection->pixel;
+  z.J_anchor = rho * J_pixel_world;
+  z.J_pose.leftCols<3>() = -z.J_anchor;
+  z.J_pose.rightCols<3>() = projection->J_pixel_ray * hat(ray);
+  const Eigen::Matrix3d J_ray_y =
+      from_anchor.J_direction + (anchor - r) * from_anchor.J_inverse_depth;
+  z.J_y = J_pixel_world * J_ray_y;
+  return z;
+}
+
+std::optional<ObservedPixel> expect(const Camera& camera, const PointFunctions& point,
+                                    const Eigen::Vector3d& r, const Eigen::Quaterniond& R,
+                                    const Eigen::Vector3d& anchor, const Eigen::Vector3d& y) {
+  auto z = observe(camera, point, r, R, anchor, y);
+  if (!z) return z;
+  const Eigen::Array2d size(camera.width, camera.height);
+  const Eigen::Array2d from_centre = z->pixel.array() - 0.5 * size;
+  if (!(from_centre.abs() < 1.5 * size).all()) return std::nullopt;
+  return z;
+}
+
+bool in_view(const Camera& camera, const PointFunctions& point, const Eigen::Vector3d& r,
+             const Eigen::Quaterniond& R, const Eigen::Vector3d& anchor, const Eigen::Vector3d& y) {
+  const PointRay ray = point.ray(y);
+  const auto projection =
+      camera.project(ray_camera(r, R, anchor, ray.direction, ray.inverse_depth));
+  return projection && camera.in_image(projection->pixel);
+}
+
+}  // namespace slammot
