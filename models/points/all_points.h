@@ -5,9 +5,10 @@
 #include <tuple>
 
 #include "models/points/inverse_depth.h"
+#include "models/points/xyz.h"
 
 namespace slammot {
 
-using PointParametrisations = std::tuple<InverseDepth>;
+using PointParametrisations = std::tuple<InverseDepth, Xyz>;
 
 }  // namespace slammot
