@@ -5,10 +5,11 @@
 #include <tuple>
 
 #include "models/points/inverse_depth.h"
+#include "models/points/log_inverse_depth.h"
 #include "models/points/xyz.h"
 
 namespace slammot {
 
-using PointParametrisations = std::tuple<InverseDepth, Xyz>;
+using PointParametrisations = std::tuple<InverseDepth, LogInverseDepth, Xyz>;
 
 }  // namespace slammot
