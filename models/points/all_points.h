@@ -4,12 +4,13 @@
 
 #include <tuple>
 
+#include "models/points/homogeneous.h"
 #include "models/points/inverse_depth.h"
 #include "models/points/log_inverse_depth.h"
 #include "models/points/xyz.h"
 
 namespace slammot {
 
-using PointParametrisations = std::tuple<InverseDepth, LogInverseDepth, Xyz>;
+using PointParametrisations = std::tuple<InverseDepth, LogInverseDepth, Homogeneous, Xyz>;
 
 }  // namespace slammot
