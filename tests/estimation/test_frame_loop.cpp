@@ -191,6 +191,30 @@ TEST_F(FrameLoopOf, GatesEachMeasurementOnItsOwn) {
   EXPECT_EQ(report.state_size, 3);
 }
 
+// e^-0.5 is not negative.
+TEST_F(FrameLoopOf, CountsNegativeDepthsOfTheParametrisation) {
+  ModelOptions models;
+  models.point = "log_inverse_depth";
+  start(models);
+  frame({1, 2});
+  belief_->state.at(2).in_view = false;
+  EXPECT_EQ(frame({1, 2}).negative_inverse_depth, 0);
+}
+
+TEST_F(FrameLoopOf, RefusesAPriorAtInfinityWhereThereIsNone) {
+  setup_.prior.inverse_depth = 0.0;
+  for (const PointFunctions& point : point_table()) {
+    ModelOptions models;
+    models.point = point.name;
+    const bool has_infinity = point.name == "inverse_depth" || point.name == "homogeneous";
+    if (has_infinity) {
+      EXPECT_NO_THROW(start(models)) << point.name;
+    } else {
+      EXPECT_THROW(start(models), std::invalid_argument) << point.name;
+    }
+  }
+}
+
 TEST_F(FrameLoopOf, ClassifiesAndCollapses) {
   start({});
   frame({});
