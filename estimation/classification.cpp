@@ -1,8 +1,10 @@
 #include "estimation/classification.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "models/find_row.h"
 
@@ -10,24 +12,43 @@ namespace slammot {
 
 namespace {
 
-// (2 pi)^(n/2), of a Gaussian of n numbers.
-double normalisation(Eigen::Index n) {
-  return std::pow(2.0 * std::numbers::pi, 0.5 * static_cast<double>(n));
+// None if the covariance is not positive definite.
+std::optional<double> log_density_at_zero(const MotionVector& mean,
+                                          const MotionMatrix& covariance) {
+  const Eigen::LLT<MotionMatrix> llt(covariance);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  const double log_root_determinant = llt.matrixLLT().diagonal().array().log().sum();
+  const double squared = llt.matrixL().solve(mean).squaredNorm();
+  const double log_normalisation =
+      0.5 * static_cast<double>(mean.size()) * std::log(2.0 * std::numbers::pi);
+  return -0.5 * squared - log_normalisation - log_root_determinant;
 }
 
 }  // namespace
 
 double density_at_zero(const MotionVector& mean, const MotionMatrix& covariance) {
-  const Eigen::LLT<MotionMatrix> llt(covariance);
-  if (llt.info() != Eigen::Success) return 0.0;
-  const double root_determinant = llt.matrixLLT().diagonal().prod();
-  const double squared = llt.matrixL().solve(mean).squaredNorm();
-  return std::exp(-0.5 * squared) / (normalisation(mean.size()) * root_determinant);
+  const auto log_density = log_density_at_zero(mean, covariance);
+  return log_density ? std::exp(*log_density) : 0.0;
 }
 
 double mahalanobis_from_zero(const MotionVector& mean, const MotionMatrix& covariance) {
   const Eigen::LLT<MotionMatrix> llt(covariance);
   return llt.info() == Eigen::Success ? llt.matrixL().solve(mean).norm() : 0.0;
+}
+
+double hidden_speed(const MotionBelief& belief) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
+  eigen.computeDirect(belief.velocity_covariance(), Eigen::EigenvaluesOnly);
+  const double w_per_v = std::cbrt(belief.density_scale);  // 1, or rho
+  return std::sqrt(eigen.eigenvalues()(2)) / (w_per_v * belief.prior_velocity_sigma);
+}
+
+double static_score_at_birth(const LandmarkFunctions& landmark, const LandmarkPrior& prior) {
+  const Eigen::Vector3d y(0.0, 0.0, prior.inverse_depth);
+  const MotionVector rest = MotionVector::Zero(landmark.motion);
+  const Eigen::Vector3d sigmas = landmark.prior_sigmas(prior).head<3>();
+  return landmark.density_scale(landmark_state(y, rest)) *
+         density_at_zero(Eigen::Vector3d::Zero(), sigmas.cwiseAbs2().asDiagonal().toDenseMatrix());
 }
 
 namespace {
@@ -37,7 +58,7 @@ class ThesisClassifier final : public Classifier {
  public:
   explicit ThesisClassifier(const ClassifierOptions& options) : options_(options) {}
 
-  Label decide(const MotionBelief& belief) const override {
+  Label decide(const MotionBelief& belief, ClassifierMemory& /*memory*/) const override {
     const Eigen::Vector3d v = belief.velocity_part();
     const Eigen::Matrix3d P = belief.velocity_covariance();
     const double C_s = belief.density_scale * density_at_zero(v, P);
@@ -50,20 +71,23 @@ class ThesisClassifier final : public Classifier {
   ClassifierOptions options_;
 };
 
-// The Savage-Dickey ratio: posterior over prior density at rest is the Bayes factor of "static"
-// against "free" (Dickey 1971). It has no unit, so neither t_s nor the scale enters.
-class BayesFactorClassifier final : public Classifier {
+// Posterior odds of static to moving: the prior odds times the Savage-Dickey ratio, the density of
+// w at rest now over that at first sight (Dickey 1971). Static needs more than odds: two well known
+// directions can outweigh a third along which any speed could still hide.
+class OddsClassifier final : public Classifier {
  public:
-  explicit BayesFactorClassifier(const ClassifierOptions& options) : options_(options) {}
+  explicit OddsClassifier(const ClassifierOptions& options) : options_(options) {}
 
-  Label decide(const MotionBelief& belief) const override {
-    const double posterior = density_at_zero(belief.w, belief.covariance);
-    double inverse_prior = normalisation(belief.w.size());
-    for (const double s : belief.prior_sigmas) inverse_prior *= s;
-    const double prior = 1.0 / inverse_prior;
-    const double factor = posterior / prior;
-    if (factor > options_.static_factor) return Label::kStatic;
-    return factor < options_.moving_factor ? Label::kMoving : Label::kUnknown;
+  Label decide(const MotionBelief& belief, ClassifierMemory& /*memory*/) const override {
+    const MotionMatrix prior = belief.prior_sigmas.cwiseAbs2().asDiagonal().toDenseMatrix();
+    const auto now = log_density_at_zero(belief.w, belief.covariance);
+    const auto before = log_density_at_zero(MotionVector::Zero(belief.w.size()), prior);
+    if (!now || !before) return Label::kUnknown;
+    const double log_odds = std::log(options_.prior_odds) + *now - *before;
+    const double decisive = std::log(options_.decisive_odds);
+    if (log_odds < -decisive) return Label::kMoving;
+    const bool could_hide = hidden_speed(belief) > options_.hidden_speed;
+    return log_odds > decisive && !could_hide ? Label::kStatic : Label::kUnknown;
   }
 
  private:
@@ -74,7 +98,7 @@ class BayesFactorClassifier final : public Classifier {
 class AllStaticClassifier final : public Classifier {
  public:
   Label at_birth(int) const override { return Label::kStatic; }
-  Label decide(const MotionBelief&) const override { return Label::kStatic; }
+  Label decide(const MotionBelief&, ClassifierMemory&) const override { return Label::kStatic; }
 };
 
 // The labels of the ground truth, at birth; without truth a landmark is never decided.
@@ -85,7 +109,9 @@ class TruthClassifier final : public Classifier {
     const auto it = truth_.find(track);
     return it == truth_.end() ? Label::kUnknown : it->second;
   }
-  Label decide(const MotionBelief& belief) const override { return at_birth(belief.track); }
+  Label decide(const MotionBelief& belief, ClassifierMemory& /*memory*/) const override {
+    return at_birth(belief.track);
+  }
 
  private:
   std::map<int, Label> truth_;
@@ -100,9 +126,9 @@ constexpr ClassifierRow kTable[] = {
      [](const Options& o, const TrueLabels&) -> Made {
        return std::make_unique<ThesisClassifier>(o);
      }},
-    {"bayes_factor", "Savage-Dickey ratio of static to free; no unit, no scale",
+    {"odds", "posterior odds of static to moving, and no speed that could hide; no unit",
      [](const Options& o, const TrueLabels&) -> Made {
-       return std::make_unique<BayesFactorClassifier>(o);
+       return std::make_unique<OddsClassifier>(o);
      }},
     {"all_static", "every landmark is static",
      [](const Options&, const TrueLabels&) -> Made {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "estimation/options.h"
 #include "models/label.h"
@@ -20,6 +21,7 @@ struct MotionBelief {
   MotionMatrix covariance;
   MotionVector prior_sigmas;   // of each number of w at first sight
   double density_scale = 1.0;  // density of v at rest = density_scale * density of w's first three
+  double prior_velocity_sigma = 1.0;  // at first sight [m/s]
 
   // Of the first three, which say the velocity.
   Eigen::Vector3d velocity_part() const { return w.head<3>(); }
@@ -32,13 +34,25 @@ double density_at_zero(const MotionVector& mean, const MotionMatrix& covariance)
 // sqrt(mean' covariance^-1 mean), thesis (3.2); 0 if the covariance is not positive definite.
 double mahalanobis_from_zero(const MotionVector& mean, const MotionMatrix& covariance);
 
+// The standard deviation of the velocity in its worst direction, as a rule the line of sight, over
+// that at first sight: how much of a landmark's speed could still hide.
+double hidden_speed(const MotionBelief& belief);
+
+// C_s at first sight, (3.1) [(m/s)^-3].
+double static_score_at_birth(const LandmarkFunctions& landmark, const LandmarkPrior& prior);
+
+// What a classifier remembers of one landmark, in numbers of its choice: empty at first sight and
+// after a label was reverted. It lives in the landmark's record, never in the classifier, so that a
+// copied record carries its own past.
+using ClassifierMemory = std::vector<double>;
+
 class Classifier {
  public:
   virtual ~Classifier() = default;
   // A label that needs no measurement; unknown where there is none (thesis 3.1.3).
   virtual Label at_birth(int /*track*/) const { return Label::kUnknown; }
-  // The label of a landmark that is unknown so far.
-  virtual Label decide(const MotionBelief& belief) const = 0;
+  // The label of a landmark that is unknown so far, or moving and possibly not any more.
+  virtual Label decide(const MotionBelief& belief, ClassifierMemory& memory) const = 0;
 };
 
 struct ClassifierRow {

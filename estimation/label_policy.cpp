@@ -46,6 +46,7 @@ void note_reverted(TrackRecord& record) {
   record.decision_frame.reset();
   record.rejected_in_row = 0;
   record.static_nis.clear();
+  record.classifier_memory.clear();
 }
 
 double log_chi_square_tail(double x, int n) {

@@ -96,7 +96,8 @@ const std::vector<int>& LandmarkManager::classify(int frame, std::span<const Obs
   for (MotionBelief& motion : motions_) {
     TrackRecord& record = records_.at(motion.track);
     motion.prior_sigmas = functions_.prior_sigmas(record.prior);
-    note_answer(record, classifier_->decide(motion), frame);
+    motion.prior_velocity_sigma = record.prior.velocity_sigma();
+    note_answer(record, classifier_->decide(motion, record.classifier_memory), frame);
     if (record.label == Label::kStatic) now_static_.push_back(motion.track);
   }
   return now_static_;

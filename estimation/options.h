@@ -56,9 +56,10 @@ struct ClassifierOptions {
   std::string name = "thesis";    // a row of classifier_table()
   double static_threshold = 1.6;  // t_s [(m/s)^-3], thesis (3.1)
   double moving_threshold =
-      3.583;                     // t_m, thesis (3.2): sqrt of the 0.995 quantile of chi-square(3)
-  double static_factor = 100.0;  // bayes_factor: odds for v = 0 from which a landmark is static
-  double moving_factor = 0.01;   // bayes_factor: odds for v = 0 below which it is moving
+      3.583;                    // t_m, thesis (3.2): sqrt of the 0.995 quantile of chi-square(3)
+  double prior_odds = 1.0;      // odds: of static to moving, before any measurement
+  double decisive_odds = 20.0;  // odds: posterior ones that decide, either way
+  double hidden_speed = 0.6;    // odds: of a static landmark at most (classification.h)
 };
 
 // Whether labels may be reverted, label_policy.h, and those of the first frame, first_frame.h.

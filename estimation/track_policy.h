@@ -24,6 +24,7 @@ struct TrackRecord {
   int missed = 0;                  // frames since then in which it was predicted in view
   LandmarkPrior prior;             // what was stated of it at its birth
   std::vector<double> static_nis;  // of its latest measurements while static (label_policy.h)
+  std::vector<double> classifier_memory;  // see ClassifierMemory (classification.h)
 };
 
 using TrackRecords = std::map<int, TrackRecord>;  // by track

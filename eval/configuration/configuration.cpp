@@ -66,6 +66,7 @@ Assignment parse_assignment(const std::string& text) {
 
 void assign(Configuration& configuration, const Assignment& given) {
   const Assignment assignment = with_present_names(given);
+  refuse_gone(assignment);
   const auto& keys = configuration_keys();
   const auto key = std::find_if(keys.begin(), keys.end(),
                                 [&](const auto& k) { return k.name == assignment.key; });

@@ -80,6 +80,9 @@ Assignment parse_assignment(const std::string& text);
 // A key or value of an earlier release by its present name. Old names are read for one release.
 Assignment with_present_names(Assignment assignment);
 
+// Throws std::invalid_argument for a key or value that is gone, and says what to use instead.
+void refuse_gone(const Assignment& assignment);
+
 // Throws std::invalid_argument: an unknown key (naming the nearest known ones) or a bad value.
 void assign(Configuration& configuration, const Assignment& assignment);
 

@@ -19,6 +19,7 @@ struct Range {
 };
 constexpr Range kPositive{[](double x) { return x > 0.0; }, "greater than 0"};
 constexpr Range kNotNegative{[](double x) { return x >= 0.0; }, "at least 0"};
+constexpr Range kAboveOne{[](double x) { return x > 1.0; }, "greater than 1"};
 constexpr Range kFromMinusOne{[](double x) { return x >= -1.0; }, "at least -1"};
 constexpr Range kUpToOne{[](double x) { return x > 0.0 && x <= 1.0; }, "above 0 and at most 1"};
 constexpr Range kInsideUnit{[](double x) { return x > 0.0 && x < 1.0; }, "between 0 and 1"};
@@ -146,10 +147,13 @@ std::vector<ConfigurationKey> model_keys() {
              SLAMMOT_FIELD(model.classifier.static_threshold)),
       number("classifier.moving_threshold", "thesis: t_m", kPositive,
              SLAMMOT_FIELD(model.classifier.moving_threshold)),
-      number("classifier.static_factor", "bayes_factor: static from these odds", kPositive,
-             SLAMMOT_FIELD(model.classifier.static_factor)),
-      number("classifier.moving_factor", "bayes_factor: moving below these odds", kPositive,
-             SLAMMOT_FIELD(model.classifier.moving_factor)),
+      number("classifier.prior_odds", "odds: of static to moving, before any measurement",
+             kPositive, SLAMMOT_FIELD(model.classifier.prior_odds)),
+      number("classifier.decisive_odds", "odds: posterior ones that decide, either way", kAboveOne,
+             SLAMMOT_FIELD(model.classifier.decisive_odds)),
+      number("classifier.hidden_speed",
+             "odds: largest sigma of a static landmark's velocity over that at first sight",
+             kPositive, SLAMMOT_FIELD(model.classifier.hidden_speed)),
       option<LabelRule>("labels",
                         "kept for ever (thesis), or reverted when innovations reject them",
                         listed(kLabelRules), SLAMMOT_FIELD(model.labels.rule)),

@@ -19,10 +19,15 @@ MotionBelief belief(const Eigen::Vector3d& w, double sigma) {
   return b;
 }
 
+Label decide(const ClassifierOptions& options, const MotionBelief& b) {
+  ClassifierMemory memory;
+  return make_classifier(options, {})->decide(b, memory);
+}
+
 Label decide(const std::string& name, const MotionBelief& b) {
   ClassifierOptions options;
   options.name = name;
-  return make_classifier(options, {})->decide(b);
+  return decide(options, b);
 }
 
 TEST(Thesis, StaticWhenTheDensityAtRestExceedsItsThreshold) {
@@ -57,24 +62,70 @@ TEST(Thesis, TheDensityIsThatOfTheVelocityInMetres) {
   EXPECT_EQ(DynamicInverseDepth<InverseDepth>::density_scale(x), 1.0);
 }
 
-TEST(BayesFactor, IsThePosteriorOverThePriorDensityAtRest) {
-  // At rest the factor is (prior sigma / sigma)^3: 100 at a ratio of 4.64.
-  MotionBelief b = belief({0, 0, 0}, 1.0 / 4.65);
-  EXPECT_EQ(decide("bayes_factor", b), Label::kStatic);
-  b = belief({0, 0, 0}, 1.0 / 4.63);
-  EXPECT_EQ(decide("bayes_factor", b), Label::kUnknown);
+ClassifierOptions odds() {
+  ClassifierOptions options;
+  options.name = "odds";
+  options.decisive_odds = 100.0;
+  options.hidden_speed = 0.3;
+  return options;
+}
+
+TEST(Odds, AreThePosteriorOverThePriorDensityAtRest) {
+  // At rest they are (prior sigma / sigma)^3: 100 at a ratio of 4.64.
+  EXPECT_EQ(decide(odds(), belief({0, 0, 0}, 1.0 / 4.65)), Label::kStatic);
+  EXPECT_EQ(decide(odds(), belief({0, 0, 0}, 1.0 / 4.63)), Label::kUnknown);
   // Away from it, exp(-C_m^2 / 2) of that: below 0.01 when C_m^2 > 2 log(100 ratio^3).
   const double ratio = 4.0, limit = std::sqrt(2.0 * std::log(100.0 * 64.0));
-  EXPECT_EQ(decide("bayes_factor", belief({0.999 * limit / ratio, 0, 0}, 1.0 / ratio)),
-            Label::kUnknown);
-  EXPECT_EQ(decide("bayes_factor", belief({1.001 * limit / ratio, 0, 0}, 1.0 / ratio)),
-            Label::kMoving);
+  EXPECT_EQ(decide(odds(), belief({0.999 * limit / ratio, 0, 0}, 1.0 / ratio)), Label::kUnknown);
+  EXPECT_EQ(decide(odds(), belief({1.001 * limit / ratio, 0, 0}, 1.0 / ratio)), Label::kMoving);
+  EXPECT_EQ(decide(odds(), belief({1e3, 0, 0}, 1.0 / ratio)), Label::kMoving);  // density 0
+}
+
+TEST(Odds, PriorOddsMultiply) {
+  ClassifierOptions options = odds();
+  options.prior_odds = 10.0;  // so that a factor of 10 suffices: a ratio of 2.15
+  options.hidden_speed = 1.0;
+  EXPECT_EQ(decide(options, belief({0, 0, 0}, 1.0 / 2.16)), Label::kStatic);
+  EXPECT_EQ(decide(options, belief({0, 0, 0}, 1.0 / 2.15)), Label::kUnknown);
+}
+
+TEST(Odds, ASpeedAlongTheLineOfSightMayHide) {
+  // Two directions known to 0.01 outweigh a third that is not: the odds are 2e4.
+  MotionBelief b = belief({0, 0, 0}, 0.01);
+  b.covariance(2, 2) = 0.25;
+  EXPECT_NEAR(hidden_speed(b), 0.5, 1e-12);
+  EXPECT_EQ(decide(odds(), b), Label::kUnknown);
+  ClassifierOptions options = odds();
+  options.hidden_speed = 0.51;
+  EXPECT_EQ(decide(options, b), Label::kStatic);
+}
+
+TEST(Odds, HaveNoUnit) {
+  // The same scene in other units of length, and in u = rho v at rho = 0.2.
+  for (const double sigma : {0.1, 0.25, 0.35}) {
+    MotionBelief b = belief({0.1, 0, 0}, sigma);
+    const Label label = decide(odds(), b);
+    for (const double unit : {0.001, 100.0}) {
+      MotionBelief in_unit = b;
+      in_unit.w *= unit;
+      in_unit.covariance *= unit * unit;
+      in_unit.prior_sigmas *= unit;
+      in_unit.prior_velocity_sigma *= unit;
+      EXPECT_EQ(decide(odds(), in_unit), label) << unit;
+    }
+    b.w *= 0.2;
+    b.covariance *= 0.04;
+    b.prior_sigmas *= 0.2;
+    b.density_scale = 0.008;
+    EXPECT_EQ(decide(odds(), b), label);
+  }
 }
 
 TEST(Classifier, ABrokenCovarianceDecidesNothing) {
   MotionBelief b = belief({1, 0, 0}, 0.1);
   b.covariance(1, 1) = -1.0;
   EXPECT_EQ(decide("thesis", b), Label::kUnknown);
+  EXPECT_EQ(decide("odds", b), Label::kUnknown);
 }
 
 TEST(Truth, IsKnownFromBirthAndOtherwiseUnknown) {

@@ -129,7 +129,7 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
 std::vector<Case> cases() {
   std::vector<Case> all = {
       {"dynamic_inverse_depth", "condition", "thesis"},
-      {"scaled_velocity", "drop", "bayes_factor", 0.02},
+      {"scaled_velocity", "drop", "odds", 0.02},
       {"dynamic_inverse_depth", "drop", "thesis", 0.0, "reversible"},
       {"scaled_velocity", "drop", "thesis", 0.0, "reversible"},
       {"scaled_velocity", "condition", "thesis", 0.04, "reversible", "empirical"},
@@ -141,7 +141,7 @@ std::vector<Case> cases() {
     // The scene's mean, too, is one of inverse depth whatever y is.
     const double mean_sigma = landmark.point.linear_depth ? 0.0 : 0.04;
     all.push_back(
-        {name, "condition", "bayes_factor", mean_sigma, "reversible", "fixed", 0.0, point});
+        {name, "condition", "odds", mean_sigma, "reversible", "fixed", 0.0, point});
   }
   return all;
 }

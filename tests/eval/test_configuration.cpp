@@ -54,14 +54,14 @@ TEST(Configuration, YamlNestedOrDotted) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "c.yaml";
   test::write_text(file,
-                   "window: {frames: 7, loss: huber}\nclassifier:\n  name: bayes_factor\n"
-                   "  static_factor: 20\nprior.max_speed: 3\nlandmark: scaled_velocity\n");
+                   "window: {frames: 7, loss: huber}\nclassifier:\n  name: odds\n"
+                   "  decisive_odds: 20\nprior.max_speed: 3\nlandmark: scaled_velocity\n");
   Configuration c;
   EXPECT_EQ(load_configuration(c, file).size(), 6u);
   EXPECT_EQ(c.window.frames, 7);
   EXPECT_EQ(c.window.loss, Loss::kHuber);
-  EXPECT_EQ(c.model.classifier.name, "bayes_factor");
-  EXPECT_EQ(c.model.classifier.static_factor, 20.0);
+  EXPECT_EQ(c.model.classifier.name, "odds");
+  EXPECT_EQ(c.model.classifier.decisive_odds, 20.0);
   EXPECT_EQ(c.prior.max_speed, 3.0);
   EXPECT_EQ(c.model.landmark, "scaled_velocity");
 }
@@ -120,6 +120,13 @@ TEST(Configuration, OldNamesAreReadAndNewOnesWritten) {
   const Sequence present = simulate("model_matched", {{"frames", "3"}}, 1);
   EXPECT_EQ(old.name, present.name);
   EXPECT_EQ(old.frames[2].observations[0].pixel, present.frames[2].observations[0].pixel);
+}
+
+TEST(Configuration, WhatIsGoneIsRefusedWithWhatToUseInstead) {
+  EXPECT_NE(reason_of("classifier=bayes_factor").find("use classifier=odds"), std::string::npos);
+  EXPECT_NE(reason_of("classifier.static_factor=20").find("use classifier.decisive_odds"),
+            std::string::npos);
+  EXPECT_NE(reason_of("classifier.decisive_odds=1").find("greater than 1"), std::string::npos);
 }
 
 TEST(MakeSetup, ConfigurationThenSequenceThenDefault) {

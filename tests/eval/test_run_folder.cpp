@@ -92,7 +92,7 @@ TEST(RunFolder, RunYamlReproducesTheConfiguration) {
   const RunResult run = drive(sequence, estimator);
   Configuration configuration;
   for (const char* text : {"landmark=scaled_velocity", "prior.inverse_depth=0.1",
-                           "window.frames=17", "classifier=bayes_factor", "frames.step=2"}) {
+                           "window.frames=17", "classifier=odds", "frames.step=2"}) {
     assign(configuration, parse_assignment(text));
   }
   const Configuration used = effective_configuration(sequence, configuration, "delayed");
