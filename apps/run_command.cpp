@@ -32,6 +32,9 @@ int execute(const RunArguments& arguments) {
   const std::string output = arguments.output.empty()
                                  ? fmt::format("slammot-out/run-{}-{}", sequence.name, row.name)
                                  : arguments.output;
+  if (const auto warning = warning_about(sequence, configuration, arguments.estimator)) {
+    fmt::print(stderr, "slammot: warning: {}\n", *warning);
+  }
   Progress progress;
   DriveOptions options;
   options.landmarks_every_frame = arguments.landmarks == "every-frame";

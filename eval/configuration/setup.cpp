@@ -1,5 +1,8 @@
 #include "eval/configuration/setup.h"
 
+#include <fmt/format.h>
+
+#include "estimation/classification.h"
 #include "estimation/depth_prior.h"
 
 namespace slammot {
@@ -77,6 +80,20 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
     setup.truth = truth_of(sequence);
   }
   return setup;
+}
+
+// (3.1) would call every landmark static as soon as it is asked, whatever was measured.
+std::optional<std::string> warning_about(const Setup& setup, const Configuration& configuration) {
+  const LandmarkFunctions& landmark = find_landmark(configuration.model.landmark);
+  const ClassifierOptions classifier = classifier_for(landmark, configuration.model.classifier);
+  if (classifier.name != "thesis") return std::nullopt;
+  const double score = static_score_at_birth(landmark, setup.prior);
+  if (!(score > classifier.static_threshold)) return std::nullopt;
+  return fmt::format(
+      "C_s is {:.3g} (m/s)^-3 before any measurement, above classifier.static_threshold = {:.3g}: "
+      "every landmark becomes static at once; raise it or prior.max_speed = {:.3g} m/s, or set "
+      "classifier=odds",
+      score, classifier.static_threshold, setup.prior.max_speed);
 }
 
 Configuration resolve(const Sequence& sequence, const Configuration& configuration) {

@@ -17,6 +17,10 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration);
 // The configuration with every `sequence` replaced by the number that is used, for run.yaml.
 Configuration resolved(const Setup& setup, Configuration configuration);
 
+// A line about a setup that cannot work as it is meant to, naming the number and what to set; none
+// if nothing is known against it.
+std::optional<std::string> warning_about(const Setup& setup, const Configuration& configuration);
+
 Configuration resolve(const Sequence& sequence, const Configuration& configuration);
 
 }  // namespace slammot

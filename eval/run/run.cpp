@@ -139,6 +139,14 @@ RunResult run_estimator(const Sequence& sequence, const Configuration& configura
   return drive(sequence, *prepare(sequence, configuration, estimator).estimator, options);
 }
 
+std::optional<std::string> warning_about(const Sequence& sequence,
+                                         const Configuration& configuration,
+                                         const std::string& estimator) {
+  Configuration adjusted = configuration;
+  find_estimator(estimator).adjust(adjusted);
+  return warning_about(make_setup(sequence, adjusted), adjusted);
+}
+
 Configuration effective_configuration(const Sequence& sequence, const Configuration& configuration,
                                       const std::string& estimator) {
   Configuration effective = configuration;

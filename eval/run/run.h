@@ -36,6 +36,11 @@ EvaluatedRun run_and_evaluate(const Sequence& sequence, const Configuration& con
 RunResult run_estimator(const Sequence& sequence, const Configuration& configuration,
                         const std::string& estimator, const DriveOptions& options = {});
 
+// See warning_about(), of the estimator's setup.
+std::optional<std::string> warning_about(const Sequence& sequence,
+                                         const Configuration& configuration,
+                                         const std::string& estimator);
+
 // The configuration as this estimator uses it, every value resolved: what run.yaml states.
 Configuration effective_configuration(const Sequence& sequence, const Configuration& configuration,
                                       const std::string& estimator);

@@ -129,6 +129,25 @@ TEST(Configuration, WhatIsGoneIsRefusedWithWhatToUseInstead) {
   EXPECT_NE(reason_of("classifier.decisive_odds=1").find("greater than 1"), std::string::npos);
 }
 
+TEST(MakeSetup, WarnsWhenEveryLandmarkWouldBeStaticAtOnce) {
+  const Sequence sequence = test::straight_line(2);
+  Configuration c;
+  const auto warning = [&] { return warning_about(make_setup(sequence, c), c); };
+  for (const char* landmark : {"dynamic_inverse_depth", "scaled_velocity"}) {
+    SCOPED_TRACE(landmark);
+    c = {};
+    c.model.landmark = landmark;
+    c.prior = {.inverse_depth = 0.2, .inverse_depth_sigma = 1e-6, .mean_sigma = 0.0};
+    c.prior.max_speed = 0.683;  // sigma_v = 0.3415 m/s: C_s = 1.594
+    EXPECT_FALSE(warning());
+    c.prior.max_speed = 0.681;
+    ASSERT_TRUE(warning());
+    EXPECT_NE(warning()->find("static_threshold = 1.6"), std::string::npos) << *warning();
+    c.model.classifier.name = "odds";
+    EXPECT_FALSE(warning());
+  }
+}
+
 TEST(MakeSetup, ConfigurationThenSequenceThenDefault) {
   Sequence sequence = test::straight_line(2);
   sequence.pixel_sigma = 0.5;
