@@ -62,6 +62,7 @@ void static_window(benchmark::State& state) {
   configuration.model.policy.retain = Retain::kVisible;
   configuration.model.classifier.name = "all_static";
   configuration.model.labels.rule = LabelRule::kOneWay;
+  configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
   Configuration converged =
       configuration;  // what any smoother of this model and graph converges to
   converged.window.iterations = 50;

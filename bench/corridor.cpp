@@ -88,6 +88,7 @@ Corridor make_corridor(const CorridorOptions& options) {
 Configuration corridor_configuration(const CorridorOptions& options) {
   Configuration configuration;
   configuration.model.labels.rule = LabelRule::kOneWay;  // what is timed is the thesis's filter
+  configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
   configuration.model.collapse = Collapse::kDrop;
   configuration.model.depth_prior = DepthPriorSource::kFixed;
   configuration.model.policy.max_visible = options.visible;

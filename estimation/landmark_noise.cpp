@@ -22,7 +22,8 @@ void LandmarkNoise::note_innovation(double nis) {
   if (latest_.size() == kInnovations) latest_.erase(latest_.begin());
   latest_.push_back(std::min(nis, kLargestNis));
   const double sum = std::accumulate(latest_.begin(), latest_.end(), 0.0);
-  keeps_velocity_ = log_chi_square_tail(sum, static_cast<int>(latest_.size())) >= std::log(kProbability);
+  keeps_velocity_ =
+      log_chi_square_tail(sum, static_cast<int>(latest_.size())) >= std::log(kProbability);
 }
 
 }  // namespace slammot

@@ -1,6 +1,6 @@
 #include "filters/ekf.h"
 
-#include "estimation/frame_loop.h"
+#include "estimation/loop/frame_loop.h"
 #include "filters/ekf_belief.h"
 #include "models/points/initialisation.h"
 

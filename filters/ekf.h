@@ -1,6 +1,6 @@
 // The EKF of the thesis: joint covariance of camera and all landmarks, undelayed initialisation.
 //
-// A belief of the frame loop (estimation/frame_loop.h). Options: landmark model, classifier,
+// A belief of the frame loop (estimation/loop/frame_loop.h). Options: landmark model, classifier,
 // collapse, iterations, deferred updates of what is out of view. Errors: Diverged when a covariance
 // stops being one.
 #pragma once

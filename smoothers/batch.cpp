@@ -1,6 +1,6 @@
 #include "smoothers/batch.h"
 
-#include "estimation/frame_loop.h"
+#include "estimation/loop/frame_loop.h"
 #include "smoothers/graph/least_noise.h"
 #include "smoothers/solver/ceres_solve.h"
 #include "smoothers/window/robust_loss.h"

@@ -84,7 +84,8 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
 
 // (3.1) would call every landmark static as soon as it is asked, whatever was measured.
 std::optional<std::string> warning_about(const Setup& setup, const Configuration& configuration) {
-  const LandmarkFunctions& landmark = find_landmark(configuration.model.landmark);
+  const LandmarkFunctions& landmark =
+      find_landmark(configuration.model.landmark, configuration.model.point);
   const ClassifierOptions classifier = classifier_for(landmark, configuration.model.classifier);
   if (classifier.name != "thesis") return std::nullopt;
   const double score = static_score_at_birth(landmark, setup.prior);

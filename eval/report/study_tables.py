@@ -129,6 +129,26 @@ def consistency_table(summary):
         ["scenario", "estimator", "part", "expected", "mean", "maximum", "interval coverage"], rows)
 
 
+def named(runs):
+    return "; ".join(f'seed {r["seed"]}: {number(r["mean"])} from frame {r["began"]}' for r in runs) or "none"
+
+
+def nees_by_run_table(summary):
+    rows = []
+    for group, cell in estimators_of(summary):
+        runs = cell.get("nees_by_run")
+        if not runs:
+            continue
+        rows.append([group["name"], cell["label"], str(runs["runs"])] + [number(q) for q in runs["quantiles"]] +
+                    [f'{runs["exceeding"]} ({percent(runs["exceeding"], runs["runs"])})', named(runs["worst"])])
+    return Table(
+        "NEES by run",
+        "The mean pose NEES of each run over its frames: 10%, 50% and 90% quantiles over the runs. A run exceeds when its mean is above the 99% quantile "
+        "of a consistent estimator's with the run's own correlation from frame to frame. An ANEES above 6 may be every run's or that of a few: here it is seen. "
+        "Worst: up to three such runs, with the frame from which the excess grows (Page's CUSUM).",
+        ["scenario", "estimator", "runs", "10%", "median", "90%", "exceeding", "worst"], rows)
+
+
 def counts_row(group, label, static, moving):
     row = [group, label]
     for counts in (static, moving):
@@ -154,8 +174,8 @@ def classification_table(summary):
     return Table(
         "Classification",
         "Landmarks over all runs, by true class. Misclassified: wrong or undecided. Many moving landmarks cross the image in a few frames, "
-        "so the second row counts only landmarks observed at least ten times. Landmarks of the first frame are static by rule and are not "
-        "counted; neither are known landmarks. Where objects stop, the third row counts frames in which they were measured: at rest "
+        "so the second row counts only landmarks observed at least ten times. Known landmarks are not counted, nor those of the first frame "
+        "where they are static by rule (labels.first_frame=static). Where objects stop, the third row counts frames in which they were measured: at rest "
         "(under static) and moving.",
         ["scenario", "estimator"] + [f"{kind} {what}" for kind in ("static", "moving")
                                      for what in ("right", "wrong", "undecided", "right %", "misclassified %")], rows)

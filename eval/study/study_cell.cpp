@@ -1,5 +1,6 @@
 #include "eval/study/study_cell.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "eval/configuration/registry.h"
@@ -15,6 +16,9 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kCounts[] = {
     "static",         "moving", "static_often_seen", "moving_often_seen", "standing_by_frame",
     "moving_by_frame"};
+
+constexpr int kPoseDof = 6;
+constexpr std::size_t kWorst = 3;  // runs that are named
 
 std::vector<double> numbers(const Json& array) {
   std::vector<double> values;
@@ -39,7 +43,10 @@ void CellSummary::add(const Json& run) {
   frames_.add(run.at("frames"));
   if (run.contains("smoothed_frames")) smoothed_.add(run["smoothed_frames"]);
   stated_sigma_[seed] = root_mean_square(numbers(run["frames"].at("position_sigma_m")));
-  pose_nees_[seed] = mean(numbers(run["frames"].at("nees_pose")));
+  const std::vector<double> nees = numbers(run["frames"].at("nees_pose"));
+  pose_nees_[seed] = mean(nees);
+  const RunNees of_run = run_nees(nees, kPoseDof);
+  run_nees_[seed] = {of_run, of_run.began ? run["frames"].at("frame")[*of_run.began] : Json()};
   ages_.add(run.at("landmarks"));
   tracks_.add(run.at("tracks"));
   for (const char* what : kCounts) {
@@ -67,6 +74,26 @@ void CellSummary::add_values(Scope scope, const Json& values, const std::string&
     scalar.pooled = metric.pooled;
     scalar.samples.push_back(value->get<double>());
   }
+}
+
+// Of each run's mean pose NEES: quantiles, how many are more than chance allows, and the worst.
+Json CellSummary::nees_by_run() const {
+  std::vector<double> means;
+  std::vector<std::pair<double, std::uint64_t>> exceeding;
+  for (const auto& [seed, run] : run_nees_) {
+    means.push_back(run.first.mean);
+    if (run.first.exceeds()) exceeding.push_back({-run.first.mean, seed});
+  }
+  std::ranges::sort(exceeding);
+  Json worst = Json::array();
+  for (std::size_t i = 0; i < std::min(kWorst, exceeding.size()); ++i) {
+    const auto& [run, frame] = run_nees_.at(exceeding[i].second);
+    worst.push_back({{"seed", exceeding[i].second}, {"mean", run.mean}, {"began", frame}});
+  }
+  return {{"runs", means.size()},
+          {"exceeding", exceeding.size()},
+          {"quantiles", {quantile(means, 0.1), quantile(means, 0.5), quantile(means, 0.9)}},
+          {"worst", worst}};
 }
 
 void CellSummary::add_timing(const Json& timing) {
@@ -98,6 +125,7 @@ Json CellSummary::json() const {
     json[key] = json_of(bootstrap(scalar.samples, squares ? root_mean_square : mean));
   }
   json["anees"] = frames_.anees();
+  json["nees_by_run"] = nees_by_run();
   if (!smoothed_.empty()) json["smoothed_anees"] = smoothed_.anees();
   for (const auto& [what, counts] : counts_) json[what] = counts;
   json["coverage"] = coverage_;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "eval/statistics/run_nees.h"
 #include "eval/study/study.h"
 #include "eval/study/study_frames.h"
 #include "eval/study/study_landmarks.h"
@@ -29,6 +30,7 @@ class CellSummary {
     Pooled pooled;
     std::vector<double> samples;
   };
+  nlohmann::ordered_json nees_by_run() const;
   void add_values(Scope scope, const nlohmann::ordered_json& values, const std::string& prefix);
 
   const StudyCell& cell_;
@@ -37,6 +39,7 @@ class CellSummary {
   nlohmann::ordered_json diverged_ = nlohmann::ordered_json::array();
   nlohmann::ordered_json failed_ = nlohmann::ordered_json::array();
   std::map<std::uint64_t, double> position_rmse_, stated_sigma_, pose_nees_;
+  std::map<std::uint64_t, std::pair<RunNees, nlohmann::ordered_json>> run_nees_;  // and its frame
   std::map<std::string, Scalar> scalars_;
   FrameStatistics frames_, smoothed_;
   LandmarkAges ages_;

@@ -1,6 +1,6 @@
 #include "smoothers/window/window.h"
 
-#include "estimation/frame_loop.h"
+#include "estimation/loop/frame_loop.h"
 #include "models/points/initialisation.h"
 #include "smoothers/window/robust_loss.h"
 #include "smoothers/window/window_belief.h"

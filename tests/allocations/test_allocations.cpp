@@ -85,6 +85,7 @@ class Allocations : public testing::TestWithParam<LabelRule> {
   Allocations() {
     prepare_process();  // more BLAS threads would have buffers of their own
     models.labels.rule = GetParam();
+    models.labels.first_frame = FirstFrameLabels::kStatic;
     models.classifier.name = "truth";
   }
 

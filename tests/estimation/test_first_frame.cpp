@@ -33,7 +33,9 @@ class FirstFrameOf : public testing::Test {
     for (int i = 0; i < 3; ++i) {
       EXPECT_FALSE(revised);
       first.begin(frame(10 + i));
-      if (i == 0) EXPECT_EQ(first.label(1), Label::kUnknown);
+      if (i == 0) {
+        EXPECT_EQ(first.label(1), Label::kUnknown);
+      }
       record(1, Label::kUnknown);
       record(2, second);
       record(3, third);  // the fourth has left

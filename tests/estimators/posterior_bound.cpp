@@ -3,10 +3,12 @@
 #include <Eigen/Cholesky>
 
 #include "models/camera_motion.h"
-#include "models/observation.h"
+#include "models/points/observation.h"
 
 namespace slammot::test {
 namespace {
+
+const PointFunctions& inverse_depth() { return find_point("inverse_depth"); }
 
 // Rows of whitened residuals' Jacobian, of one landmark in all frames. The anchor is the first
 // camera's position.
@@ -16,9 +18,9 @@ Eigen::MatrixXd pixel_rows(const Sequence& s, double pixel_sigma, int landmark,
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(2 * frames, size);
   for (Eigen::Index k = 0; k < frames; ++k) {
     const CameraState& camera = *s.truth[static_cast<std::size_t>(k)];
-    const ObservedPixel seen =
-        observe(s.camera, camera.position, camera.orientation, s.truth.front()->position, y)
-            .value();
+    const ObservedPixel seen = observe(s.camera, inverse_depth(), camera.position,
+                                       camera.orientation, s.truth.front()->position, y)
+                                   .value();
     auto rows = H.middleRows<2>(2 * k);
     rows.middleCols<6>(12 * k) = seen.J_pose;
     rows.middleCols<3>(kPosition) += seen.J_anchor;
@@ -49,7 +51,7 @@ Eigen::MatrixXd path_information(const Sequence& s, const Setup& setup) {
   for (const auto& [track, truth] : s.landmarks) {
     const Eigen::Vector3d offset = truth.at(0)->position - s.truth.front()->position;
     const Eigen::MatrixXd H =
-        pixel_rows(s, setup.pixel_sigma, landmark, inverse_depth_of(offset), size);
+        pixel_rows(s, setup.pixel_sigma, landmark, point_at(inverse_depth(), offset), size);
     sum += H.transpose() * H;
     const Eigen::Index rho = cameras + 3 * landmark++ + 2;
     sum(rho, rho) += std::pow(setup.prior.inverse_depth_sigma, -2);

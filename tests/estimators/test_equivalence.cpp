@@ -140,8 +140,7 @@ std::vector<Case> cases() {
     all.push_back({name, "drop", "thesis", 0.0, "one_way", "empirical", 0.0, point});
     // The scene's mean, too, is one of inverse depth whatever y is.
     const double mean_sigma = landmark.point.linear_depth ? 0.0 : 0.04;
-    all.push_back(
-        {name, "condition", "odds", mean_sigma, "reversible", "fixed", 0.0, point});
+    all.push_back({name, "condition", "odds", mean_sigma, "reversible", "fixed", 0.0, point});
   }
   return all;
 }

@@ -137,7 +137,9 @@ TEST(MakeSetup, WarnsWhenEveryLandmarkWouldBeStaticAtOnce) {
     SCOPED_TRACE(landmark);
     c = {};
     c.model.landmark = landmark;
-    c.prior = {.inverse_depth = 0.2, .inverse_depth_sigma = 1e-6, .mean_sigma = 0.0};
+    c.prior.inverse_depth = 0.2;
+    c.prior.inverse_depth_sigma = 1e-6;
+    c.prior.mean_sigma = 0.0;
     c.prior.max_speed = 0.683;  // sigma_v = 0.3415 m/s: C_s = 1.594
     EXPECT_FALSE(warning());
     c.prior.max_speed = 0.681;

@@ -81,6 +81,7 @@ class ThirdFamilyUndecided : public testing::Test {
   ThirdFamilyUndecided() {
     configuration_.model.classifier.name = "truth";
     configuration_.model.labels.rule = LabelRule::kOneWay;
+    configuration_.model.labels.first_frame = FirstFrameLabels::kStatic;
     configuration_.model.gate_probability = 0.999999;
   }
 
@@ -133,6 +134,7 @@ TEST(ThirdFamily, LabelsAsTheEkfDoes) {
     SCOPED_TRACE(collapse == Collapse::kDrop ? "drop" : "condition");
     Configuration configuration = quick();
     configuration.model.collapse = collapse;
+    configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
     const RunResult ekf = judged(find_estimator("ekf"), sequence, configuration).run;
     const RunResult ukf = judged(kUnscented, sequence, configuration).run;
     EXPECT_LT(largest_difference(ekf, ukf), 1.0);

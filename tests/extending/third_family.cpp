@@ -10,7 +10,7 @@
 #include <numeric>
 #include <utility>
 
-#include "estimation/frame_loop.h"
+#include "estimation/loop/frame_loop.h"
 #include "models/points/initialisation.h"
 #include "models/points/observation.h"
 

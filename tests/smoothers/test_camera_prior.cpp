@@ -5,7 +5,7 @@
 #include <set>
 
 #include "datasets/simulation/scenario.h"
-#include "estimation/frame_loop.h"
+#include "estimation/loop/frame_loop.h"
 #include "eval/configuration/setup.h"
 #include "smoothers/window/window_belief.h"
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "datasets/simulation/scenario.h"
-#include "estimation/frame_loop.h"
+#include "estimation/loop/frame_loop.h"
 #include "eval/configuration/setup.h"
 #include "eval/run/run.h"
 #include "smoothers/window/window_belief.h"

@@ -1,4 +1,4 @@
-#include "estimation/frame_loop.h"
+#include "estimation/loop/frame_loop.h"
 
 #include <algorithm>
 #include <iterator>

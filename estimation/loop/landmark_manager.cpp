@@ -1,4 +1,4 @@
-#include "estimation/landmark_manager.h"
+#include "estimation/loop/landmark_manager.h"
 
 #include "models/landmarks/true_state.h"
 #include "models/points/observation.h"

@@ -9,7 +9,7 @@
 
 #include "estimation/belief.h"
 #include "estimation/gate.h"
-#include "estimation/landmark_manager.h"
+#include "estimation/loop/landmark_manager.h"
 
 namespace slammot {
 
