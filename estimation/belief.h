@@ -47,8 +47,8 @@ class Belief {
   virtual void leaving(std::vector<int>& tracks) { tracks.clear(); }
 
   // The time update, thesis 2.1.1 and (2.5), by `dt` [s] since the frame before (0: the first
-  // frame). `landmark_noise` multiplies the noise roots of free landmarks (landmark_noise.h).
-  virtual void predict(const Frame& frame, double dt, double landmark_noise) = 0;
+  // frame).
+  virtual void predict(const Frame& frame, double dt) = 0;
 
   // A landmark known beforehand enters as static, before the frame's measurements are used.
   virtual void add_known(const KnownLandmark& known) = 0;
@@ -63,11 +63,11 @@ class Belief {
   virtual void update(const TrackRecords& records, std::span<const Observation> accepted,
                       StageListener& stages) = 0;
 
-  // After update(): of its measurements.
+  // After update(): of its measurements, those of static landmarks at least.
   virtual void leave_one_out(std::vector<LeaveOneOut>& result) = 0;
 
   // Marginals of landmarks that update() used: rho of static ones at first sight, w of free ones.
-  // The manager fills in the priors of a MotionBelief.
+  // The manager fills in MotionBelief::prior_sigmas.
   virtual void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) = 0;
   virtual void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) = 0;
 

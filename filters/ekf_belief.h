@@ -14,7 +14,7 @@ class Ekf final : public Belief {
   // exclude each other.
   Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options);
 
-  void predict(const Frame& frame, double dt, double landmark_noise) override;
+  void predict(const Frame& frame, double dt) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured,
                    std::vector<PixelInnovation>& result) override;
@@ -37,7 +37,7 @@ class Ekf final : public Belief {
   const JointState& state() const { return state_; }
 
  private:
-  void predict_landmark(int track, FilterLandmark& landmark, double dt, double noise);
+  void predict_landmark(int track, FilterLandmark& landmark, double dt);
   void condition_on_rest(std::span<const int> tracks);
   StateBlock append_new(const NewLandmark& at, const LandmarkPrior& prior, int dim);
   FilterAnchor& anchor_here();

@@ -6,14 +6,13 @@
 namespace slammot {
 
 // Thesis (2.5).
-void Ekf::predict_landmark(int track, FilterLandmark& landmark, double dt, double noise) {
+void Ekf::predict_landmark(int track, FilterLandmark& landmark, double dt) {
   const LandmarkVector at = linearisation_.landmark(state_, track);
   const LandmarkMatrix F = functions_.predict_jacobian(at, dt);
   const LandmarkVector x = functions_.predict(landmark.x(), dt);
   landmark.y = x.head<3>();
   landmark.w = x.tail(functions_.motion);
-  const LandmarkMatrix G =
-      noise * functions_.noise_root(functions_.predict(at, dt), setup_.prior, dt);
+  const LandmarkMatrix G = functions_.noise_root(functions_.predict(at, dt), setup_.prior, dt);
   state_.covariance.propagate({landmark.y_block, landmark.w_block}, F, G * G.transpose());
 }
 

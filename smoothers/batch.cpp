@@ -129,8 +129,7 @@ void Batch::add_chain(const TrackHistory& history, GraphLandmark& l) {
     ChainStep& step = l.chain.emplace_back();
     step.dt = timestamps_[k + 1] - timestamps_[k];
     x = functions_.predict(x, step.dt);
-    step.noise_scale = window_->landmark_noise();
-    step.G = step.noise_scale * functions_.noise_root(x, setup_.prior, step.dt);
+    step.G = functions_.noise_root(x, setup_.prior, step.dt);
     step.noise = least_noise(step.G, history.states[i + 1] - x);
     x += step.G * step.noise;
   }

@@ -65,7 +65,7 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   FrameReport report;
   stages.begin("predict");
   manager_->retire_leaving(*belief_, report);
-  belief_->predict(frame, time_since_last(frame), manager_->landmark_noise());
+  belief_->predict(frame, time_since_last(frame));
   manager_->add_known(frame, *belief_, report);
 
   stages.begin("gate");

@@ -13,7 +13,6 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
       classifier_(
           make_classifier(classifier_for(functions_, models.classifier), setup.true_labels)),
       depth_prior_(learns_depths(models.depth_prior, !setup.known.empty()), setup.prior),
-      landmark_noise_(slammot::watches_innovations(models.labels)),
       truth_(std::move(truth_for_view)),
       first_(first) {
   if (!functions_.point.exists(Eigen::Vector3d::UnitZ(), setup.prior.inverse_depth)) {
@@ -66,9 +65,7 @@ void LandmarkManager::record(int frame, std::span<const Observation> accepted,
 
 void LandmarkManager::note_innovations(std::span<const LeaveOneOut> innovations) {
   for (const LeaveOneOut& z : innovations) {
-    TrackRecord& record = records_.at(z.track);
-    note_innovation(record, z.nis, models_.labels);
-    if (record.label == Label::kMoving) landmark_noise_.note_innovation(z.nis);
+    note_innovation(records_.at(z.track), z.nis, models_.labels);
   }
 }
 

@@ -8,7 +8,6 @@
 
 #include "estimation/belief.h"
 #include "estimation/first_frame.h"
-#include "estimation/landmark_noise.h"
 
 namespace slammot {
 
@@ -27,7 +26,6 @@ class LandmarkManager {
   void add_known(const Frame& frame, Belief& belief, FrameReport& report);
   void record(int frame, std::span<const Observation> accepted,
               std::span<const LeaveOneOut> rejected, std::span<const int> out_of_view);
-  double landmark_noise() const { return landmark_noise_.scale(); }
   bool watches_innovations() const { return slammot::watches_innovations(models_.labels); }
   void note_innovations(std::span<const LeaveOneOut> innovations);
   void learn_depths(std::span<const Observation> accepted, Belief& belief);
@@ -51,7 +49,6 @@ class LandmarkManager {
   const LandmarkFunctions& functions_;
   std::unique_ptr<Classifier> classifier_;
   DepthPrior depth_prior_;
-  LandmarkNoise landmark_noise_;
   std::shared_ptr<const Truth> truth_;
   std::map<int, KnownLandmark> known_;  // stated, not measured yet
   FirstFrame& first_;

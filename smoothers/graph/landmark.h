@@ -20,8 +20,7 @@ using LandmarkId = int;  // its slot in the graph
 
 // One step of a chain.
 struct ChainStep {
-  double dt = 0.0;           // [s]
-  double noise_scale = 1.0;  // of G (landmark_noise.h)
+  double dt = 0.0;  // [s]
   LandmarkMatrix G;
   LandmarkVector noise;
   std::optional<LandmarkVector> noise_point;  // set: where Jacobians are taken

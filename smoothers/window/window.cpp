@@ -60,8 +60,7 @@ void Window::leaving(std::vector<int>& tracks) {
 
 // Thesis 2.1.1 and (2.5): the new camera enters at its prediction, with its motion factor, and the
 // chain of each free landmark grows.
-void Window::predict(const Frame& frame, double dt, double landmark_noise) {
-  landmark_noise_ = landmark_noise;
+void Window::predict(const Frame& frame, double dt) {
   if (dt == 0.0) {
     cameras_.start(frame, setup_.initial);
     return refactorise();

@@ -32,7 +32,7 @@ class Window final : public Belief {
   Window& operator=(const Window&) = delete;
 
   void leaving(std::vector<int>& tracks) override;
-  void predict(const Frame& frame, double dt, double landmark_noise) override;
+  void predict(const Frame& frame, double dt) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured,
                    std::vector<PixelInnovation>& result) override;
@@ -54,7 +54,6 @@ class Window final : public Belief {
 
   // Every camera so far, oldest first: as it left, or as it is in the window.
   std::vector<CameraState> all_cameras() const;
-  double landmark_noise() const { return landmark_noise_; }
   const Graph& graph() const { return graph_; }
 
   // Of all frames so far, with `window.retest`.
@@ -125,7 +124,6 @@ class Window final : public Belief {
   RetestCounts retest_counts_;
 
   // The newest camera given the one that the factorisation knows as newest.
-  double landmark_noise_ = 1.0;  // of this frame's chain steps
   Matrix12d F_ = Matrix12d::Identity(), Q_ = Matrix12d::Zero();
 
   // Of the frame in hand, kept for their memory.

@@ -4,7 +4,7 @@
 
 namespace slammot {
 
-// One step more, thesis (2.5), with the motion noise of unknown and moving landmarks.
+// One step more, thesis (2.5), with the acceleration noise of unknown and moving landmarks.
 void Window::extend(WindowLandmark& landmark, double dt) {
   GraphLandmark& l = graph_[landmark.id];
   const LandmarkVector x = graph_.newest_state(l);
@@ -13,8 +13,7 @@ void Window::extend(WindowLandmark& landmark, double dt) {
   step.F = functions_.predict_jacobian(x, dt);
   step.x = functions_.predict(x, dt);
   step.point = step.x;
-  step.noise_scale = landmark_noise_;
-  step.G = step.noise_scale * functions_.noise_root(step.x, setup_.prior, dt);
+  step.G = functions_.noise_root(step.x, setup_.prior, dt);
   step.noise.setZero(functions_.dim());
   l.chain.push_back(step);
   truth_.apply(landmark);

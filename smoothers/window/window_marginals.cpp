@@ -98,11 +98,11 @@ void Window::leave_one_out(std::vector<LeaveOneOut>& result) {
   for (const int track : used_) {
     const WindowLandmark& landmark = landmarks_.at(track);
     const GraphPixel& pixel = graph_[landmark.id].pixels.back();
-    if (!pixel.valid) continue;
+    if (landmark.is_free || !pixel.valid) continue;
     Eigen::Matrix<double, 2, kCameraDim + 6> J = Eigen::Matrix<double, 2, kCameraDim + 6>::Zero();
     J.leftCols<6>() = pixel.at.J_pose;
     J.rightCols<6>() << pixel.at.J_anchor, pixel.at.J_y;
-    const JointMatrix P = joint(landmark);
+    const auto P = optimiser_.equations().joint(landmark.id);
     const Eigen::Matrix2d own =
         Eigen::Matrix2d::Identity() -
         J * P.topLeftCorner<kCameraDim + 6, kCameraDim + 6>() * J.transpose();

@@ -25,9 +25,8 @@ class FakeBelief final : public Belief {
  public:
   explicit FakeBelief(std::vector<std::string>& calls) : calls_(calls) {}
 
-  void predict(const Frame& frame, double dt, double landmark_noise) override {
+  void predict(const Frame& frame, double dt) override {
     call("predict");
-    last_landmark_noise = landmark_noise;
     camera_.timestamp = frame.timestamp;
     last_dt = dt;
   }
@@ -114,7 +113,7 @@ class FakeBelief final : public Belief {
   std::map<int, FakeLandmark> state;
   std::vector<int> used, asked;
   LandmarkPrior newest_prior;
-  double last_dt = -1.0, last_landmark_noise = -1.0;
+  double last_dt = -1.0;
 
  private:
   void call(const char* name) { calls_.emplace_back(name); }
@@ -278,29 +277,6 @@ TEST_F(FrameLoopOf, StartsOverWithTheLabelsOfTheFirstFrame) {
   EXPECT_EQ(label(1), Label::kUnknown);  // and all four frames were processed again
   EXPECT_EQ(std::ranges::count(calls_, "predict"), 1 + 4);
   EXPECT_THAT(calls_, testing::Not(testing::Contains("free")));
-}
-
-TEST_F(FrameLoopOf, MoversKeepTheirVelocityUntilTheirInnovationsRejectIt) {
-  start({});
-  frame({});
-  frame({1, 2});
-  belief_->state.at(1) = {true, 0.0, 0.0, 0.1};  // static: its innovations are not asked
-  belief_->state.at(2) = {true, 0.0, 5.0, 0.1};
-  frame({1, 2});
-  ASSERT_EQ(label(2), Label::kMoving);
-  belief_->state.at(2).leave_one_out = 2.0;
-  for (int i = 0; i < 300; ++i) frame({1, 2});
-  EXPECT_EQ(belief_->last_landmark_noise, 0.0);
-  belief_->state.at(2).leave_one_out = 5.0;
-  for (int i = 0; i < 100; ++i) frame({1, 2});
-  EXPECT_EQ(belief_->last_landmark_noise, 1.0);
-
-  ModelOptions one_way;
-  one_way.labels.rule = LabelRule::kOneWay;
-  start(one_way);
-  index_ = 0;
-  frame({1});
-  EXPECT_EQ(belief_->last_landmark_noise, 1.0);  // the thesis: as stated
 }
 
 TEST_F(FrameLoopOf, PrunesWhatIsNotMeasuredAndStartsItsTrackAnew) {

@@ -67,7 +67,7 @@ class Unscented final : public Belief {
     P_ = sigmas.cwiseAbs2().asDiagonal();
   }
 
-  void predict(const Frame& /*frame*/, double dt, double landmark_noise) override {
+  void predict(const Frame& /*frame*/, double dt) override {
     if (dt == 0.0) return;
     const CameraState before = camera_, after = slammot::predict(before, dt);
     camera_ = after;
@@ -75,7 +75,7 @@ class Unscented final : public Belief {
       return VectorXd(boxminus(slammot::predict(boxplus(before, Vector12d(d)), dt), after));
     });
     for (const auto& [track, l] : landmarks_) {
-      if (!l.w.empty()) predict_landmark(joined(l.y, l.w), dt, landmark_noise);
+      if (!l.w.empty()) predict_landmark(joined(l.y, l.w), dt);
     }
   }
 
@@ -225,9 +225,9 @@ class Unscented final : public Belief {
     Eigen::Matrix2d cov_e;
   };
 
-  void predict_landmark(const Rows& rows, double dt, double noise) {
+  void predict_landmark(const Rows& rows, double dt) {
     const LandmarkVector before = x_(rows), after = functions_.predict(before, dt);
-    const MatrixXd G = noise * functions_.noise_root(after, setup_.prior, dt);
+    const MatrixXd G = functions_.noise_root(after, setup_.prior, dt);
     x_(rows) = after;
     propagate(rows, G * G.transpose(), [&](const VectorXd& d) {
       return VectorXd(functions_.predict(before + d, dt) - after);
