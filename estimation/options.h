@@ -59,7 +59,7 @@ struct ClassifierOptions {
       3.583;                    // t_m, thesis (3.2): sqrt of the 0.995 quantile of chi-square(3)
   double prior_odds = 1.0;      // odds: of static to moving, before any measurement
   double decisive_odds = 20.0;  // odds: posterior ones that decide, either way
-  double hidden_speed = 0.6;    // odds: of a static landmark at most (classification.h)
+  double hidden_speed = 0.8;    // odds: of a static landmark at most (classification.h)
 };
 
 // Whether labels may be reverted, label_policy.h, and those of the first frame, first_frame.h.
