@@ -1,6 +1,8 @@
 // Every scenario: determinism, exact geometry, honest statements, refusals.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <cmath>
 
 #include "datasets/simulation/scenario.h"
@@ -85,10 +87,21 @@ TEST_P(EveryScenario, IsCompleteAndHonest) {
   EXPECT_GT(s.motion->acceleration, 0.0);
   EXPECT_LT((s.initial->state.position - s.truth[0]->position).norm(), 0.01);
   EXPECT_LT((s.initial->state.velocity - s.truth[0]->velocity).norm(), 0.5);
-  const size_t frame0 = s.frames[0].observations.size();
-  EXPECT_GE(frame0, 8u);
-  for (const Observation& z : s.frames[0].observations) {
-    EXPECT_EQ(s.landmarks.at(z.track).label, Label::kStatic);  // what enters as static is static
+  EXPECT_GE(s.frames[0].observations.size(), 8u);
+}
+
+TEST(FirstFrame, HasMoversUnlessTheyAreDrawnAgain) {
+  const auto movers = [](const char* scenario, const ScenarioOverrides& overrides) {
+    const Sequence s = simulate(scenario, overrides, 1);
+    return std::ranges::count_if(s.frames[0].observations, [&](const Observation& z) {
+      return s.landmarks.at(z.track).label == Label::kMoving;
+    });
+  };
+  for (const char* scenario : {"circle", "square"}) {
+    SCOPED_TRACE(scenario);
+    EXPECT_GE(movers(scenario, {{"frames", "5"}, {"moving", "600"}}), 4);
+    EXPECT_EQ(movers(scenario, {{"frames", "5"}, {"moving", "600"}, {"first_moving", "2"}}), 2);
+    EXPECT_EQ(movers(scenario, {{"frames", "5"}, {"moving", "600"}, {"first_moving", "0"}}), 0);
   }
 }
 

@@ -72,7 +72,8 @@ TEST_P(Golden, FiguresFromBeforeTheWorkOnSpeedStay) {
   configuration.model.depth_prior = DepthPriorSource::kFixed;
   configuration.window.frames = 10;
   configuration.window.linearisation_error = 0.0;  // all iterations
-  const Sequence sequence = select_frames(simulate("circle", {}, 1), 0, golden.back().frame, 1);
+  const Sequence sequence =
+      select_frames(simulate("circle", {{"first_moving", "0"}}, 1), 0, golden.back().frame, 1);
   const RunResult run = run_estimator(sequence, configuration, estimator);
   ASSERT_EQ(run.filtered.size(), sequence.frames.size());
   double worst_pose = 0.0, worst_covariance = 0.0;

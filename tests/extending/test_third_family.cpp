@@ -129,7 +129,7 @@ TEST_F(ThirdFamilyUndecided, TakesEveryLandmarkModel) {
 
 // With a label or a gate that one of them passes a frame later the cameras differ by more.
 TEST(ThirdFamily, LabelsAsTheEkfDoes) {
-  const Sequence sequence = simulate("circle", {{"frames", "40"}}, 3);
+  const Sequence sequence = simulate("circle", {{"frames", "40"}, {"first_moving", "0"}}, 3);
   for (const Collapse collapse : {Collapse::kCondition, Collapse::kDrop}) {
     SCOPED_TRACE(collapse == Collapse::kDrop ? "drop" : "condition");
     Configuration configuration = quick();
