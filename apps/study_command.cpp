@@ -11,6 +11,7 @@
 #include "eval/study/study_driver.h"
 #include "eval/study/study_summary.h"
 #include "eval/study/study_view.h"
+#include "eval/study/table/runs_table.h"
 
 namespace slammot {
 namespace {
@@ -40,6 +41,7 @@ Shard parse_shard(const std::string& text) {
 int finish(const Study& study, const std::filesystem::path& output,
            const std::vector<std::filesystem::path>& folders) {
   merge_runs(study, folders, output);
+  write_runs_table(study, output);
   std::ofstream(output / "summary.json") << summarise_study(study, output).dump(1) << '\n';
   std::ofstream(output / "view.json") << study_view(study).dump() << '\n';
   const auto report = write_study_report(output);
