@@ -66,9 +66,19 @@ void draw_all(const std::vector<NamedMetrics>& results, const Sequence& sequence
   }
 }
 
+void say_what_diverged(const std::vector<NamedMetrics>& results) {
+  for (const NamedMetrics& result : results) {
+    const auto& diverged = result.metrics.diverged;
+    if (!diverged) continue;
+    fmt::print(stderr, "slammot: {} diverged at frame {}: {}\n", result.label, diverged->frame,
+               diverged->reason);
+  }
+}
+
 int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path& output) {
   fmt::print("\n{}\n", metrics_table(results));
   std::fflush(stdout);
+  say_what_diverged(results);
   const bool diverged = std::any_of(results.begin(), results.end(),
                                     [](const auto& r) { return r.metrics.diverged.has_value(); });
   const std::optional<std::filesystem::path> report = write_compare_report(output);

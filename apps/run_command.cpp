@@ -29,9 +29,10 @@ int execute(const RunArguments& arguments) {
   const EstimatorRow& row = find_estimator(arguments.estimator);  // before anything slow
   const Configuration configuration = configuration_from(arguments.configuration);
   const Sequence sequence = selected(read_sequence(arguments.sequence), configuration.frames);
-  const std::string output = arguments.output.empty()
-                                 ? fmt::format("slammot-out/run-{}-{}", sequence.name, row.name)
-                                 : arguments.output;
+  const std::string output =
+      arguments.output.empty()
+          ? fmt::format("slammot-out/run-{}-{}", sequence.name, estimator_label(row.name))
+          : arguments.output;
   if (const auto warning = warning_about(sequence, configuration, arguments.estimator)) {
     fmt::print(stderr, "slammot: warning: {}\n", *warning);
   }
@@ -46,8 +47,8 @@ int execute(const RunArguments& arguments) {
             {command_line(), arguments.estimator, sequence.folder, sequence.name, sequence.sha256,
              std::nullopt, effective},
             run, metrics);
-  fmt::print("{}{}\n",
-             metrics_table({{output, arguments.estimator, effective.model.landmark, metrics}}),
+  const std::string landmark = row.has_models ? effective.model.landmark : "-";
+  fmt::print("{}{}\n", metrics_table({{output, estimator_label(row.name), landmark, metrics}}),
              output);
   if (!run.diverged) return 0;
   fmt::print(stderr, "slammot: diverged at frame {}: {}\n", run.diverged->frame,

@@ -27,6 +27,13 @@ file(RELATIVE_PATH SLAMMOT_BIN_TO_LIB ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTA
 set(CMAKE_BUILD_RPATH "$ORIGIN")
 set(CMAKE_INSTALL_RPATH "$ORIGIN/${SLAMMOT_BIN_TO_LIB}")
 
+# Debian's Python, for reports, tests and the package slammot; $SLAMMOT_PYTHON overrides it when the
+# program runs. Debian looks for packages here below /usr and /usr/local.
+find_program(SLAMMOT_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH REQUIRED)
+execute_process(
+  COMMAND ${SLAMMOT_PYTHON} -c "import sys; print('lib/python%d.%d/dist-packages' % sys.version_info[:2])"
+  OUTPUT_VARIABLE SLAMMOT_PYTHON_DIR OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+
 function(slammot_compile_options target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow)
   if(SLAMMOT_WARNINGS_AS_ERRORS)

@@ -29,6 +29,10 @@ void erase_series(Json& trajectory) {
   if (trajectory.is_object() && trajectory["nees"].is_object()) trajectory["nees"].erase("series");
 }
 
+std::string landmark_of(const EstimatorRow& estimator, const Configuration& configuration) {
+  return estimator.has_models ? configuration.model.landmark : "-";
+}
+
 Json run_json(const Sequence& sequence, const ComparedRun& row, const EvaluatedRun& done) {
   const auto& [configuration, run, metrics] = done;
   const EstimatorRow& estimator = find_estimator(row.estimator);
@@ -36,7 +40,7 @@ Json run_json(const Sequence& sequence, const ComparedRun& row, const EvaluatedR
                {"estimator", row.estimator},
                {"kind", to_string(estimator.kind)},
                {"oracle", is_oracle(estimator, configuration)},
-               {"landmark", configuration.model.landmark},
+               {"landmark", landmark_of(estimator, configuration)},
                {"folder", row.label}};
   json["overrides"] = Json::object();
   for (const Assignment& a : row.overrides) json["overrides"][a.key] = a.value;
@@ -83,7 +87,8 @@ NamedMetrics compare_one(const Sequence& sequence, const Configuration& base,
              options.seed, done.configuration},
             done.run, done.metrics);
   runs.push_back(run_json(sequence, row, done));
-  return {row.label, row.estimator, done.configuration.model.landmark, done.metrics};
+  return {row.label, estimator_label(row.estimator),
+          landmark_of(find_estimator(row.estimator), done.configuration), done.metrics};
 }
 
 }  // namespace
@@ -92,9 +97,14 @@ std::vector<ComparedRun> crossed(const std::vector<std::string>& estimators,
                                  const std::vector<std::string>& landmarks) {
   std::vector<ComparedRun> runs;
   for (const std::string& estimator : estimators) {
+    const std::string label = estimator_label(estimator);
+    if (!find_estimator(estimator).has_models) {
+      runs.push_back({label, estimator, {}});
+      continue;
+    }
     for (const std::string& landmark : landmarks) {
       runs.push_back(
-          {fmt::format("{}-{}", estimator, landmark), estimator, {{"landmark", landmark, 0}}});
+          {fmt::format("{}-{}", label, landmark), estimator, {{"landmark", landmark, 0}}});
     }
   }
   return runs;

@@ -44,7 +44,8 @@ struct CompareOptions {
   std::function<void(const std::string& label, int done, int total)> progress;  // may be empty
 };
 
-// Each estimator with each landmark model, labelled `estimator-landmark`.
+// Each estimator with each landmark model, labelled `estimator-landmark`; once, if it has no
+// models.
 std::vector<ComparedRun> crossed(const std::vector<std::string>& estimators,
                                  const std::vector<std::string>& landmarks);
 

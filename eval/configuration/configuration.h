@@ -57,6 +57,7 @@ struct Configuration {
   InitialConfiguration initial;
   std::optional<double> pixel_sigma;  // [px]
   FrameSelection frames;
+  std::string python_options = "{}";  // keyword arguments of a Python estimator, as JSON
 };
 
 struct ConfigurationKey {

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "datasets/text/number.h"
 #include "eval/configuration/configuration.h"
 #include "eval/configuration/model_names.h"
@@ -273,6 +275,18 @@ std::vector<ConfigurationKey> estimator_keys() {
   };
 }
 
+ConfigurationKey python_key() {
+  auto set = [](Configuration& c, const std::string& text) {
+    const auto json = nlohmann::json::parse(text, nullptr, false);
+    if (!json.is_object()) {
+      throw std::invalid_argument(fmt::format("'{}' is not a JSON object", text));
+    }
+    c.python_options = text;
+  };
+  return {"python.options", "arguments of a Python estimator's class, a JSON object", set,
+          [](const Configuration& c) { return c.python_options; }};
+}
+
 #undef SLAMMOT_FIELD
 
 }  // namespace
@@ -282,6 +296,7 @@ const std::vector<ConfigurationKey>& configuration_keys() {
     std::vector<ConfigurationKey> all = model_keys();
     append(all, statement_keys());
     append(all, estimator_keys());
+    all.push_back(python_key());
     return all;
   }();
   return keys;

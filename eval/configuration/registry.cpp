@@ -1,7 +1,10 @@
 #include "eval/configuration/registry.h"
 
+#include <map>
+#include <mutex>
 #include <stdexcept>
 
+#include "eval/python/python_estimator.h"
 #include "filters/ekf.h"
 #include "models/find_row.h"
 #include "smoothers/batch.h"
@@ -46,16 +49,44 @@ void delayed(Configuration& c) { c.ekf.delayed = true; }
 
 using enum EstimatorKind;
 
-constexpr EstimatorRow kTable[] = {
-    {"ekf", "extended Kalman filter, undelayed (the thesis)", kFilter, false, as_stated, ekf},
-    {"window", "sliding-window smoother with marginalisation", kSmoother, false, as_stated, window},
-    {"batch", "all frames at once: the reference", kBatch, false, as_stated, batch},
-    {"static_world", "ekf, every landmark static", kFilter, false, all_static, ekf},
-    {"delayed", "ekf, a landmark counts only once it is classified", kFilter, false, delayed, ekf},
-    {"true_labels", "ekf, labels from the ground truth", kFilter, true, true_labels, ekf},
-    {"ideal_covariance", "ekf linearised at the truth, labels given, no gate: its covariance",
-     kIdealCovariance, true, ideal_covariance, ekf},
-};
+const std::vector<EstimatorRow>& table() {
+  static const std::vector<EstimatorRow> rows = {
+      {"ekf", "extended Kalman filter, undelayed (the thesis)", kFilter, false, as_stated, ekf},
+      {"window", "sliding-window smoother with marginalisation", kSmoother, false, as_stated,
+       window},
+      {"batch", "all frames at once: the reference", kBatch, false, as_stated, batch},
+      {"static_world", "ekf, every landmark static", kFilter, false, all_static, ekf},
+      {"delayed", "ekf, a landmark counts only once it is classified", kFilter, false, delayed,
+       ekf},
+      {"true_labels", "ekf, labels from the ground truth", kFilter, true, true_labels, ekf},
+      {"ideal_covariance", "ekf linearised at the truth, labels given, no gate: its covariance",
+       kIdealCovariance, true, ideal_covariance, ekf},
+  };
+  return rows;
+}
+
+EstimatorRow python_row(const std::string& name, const PythonClass& python) {
+  const PythonDescription said = describe(python);
+  return {name,
+          said.description,
+          said.kind == to_string(kSmoother) ? kSmoother : kFilter,
+          false,
+          as_stated,
+          [python](const Setup& setup, const Configuration& c) {
+            return make_python_estimator(python, setup, c.python_options, key_values(c));
+          },
+          false};
+}
+
+// By name; a map, because references to its rows stay good.
+const EstimatorRow& find_python(const std::string& name, const PythonClass& python) {
+  static std::mutex mutex;
+  static std::map<std::string, EstimatorRow> asked;
+  const std::lock_guard lock(mutex);
+  const auto found = asked.find(name);
+  if (found != asked.end()) return found->second;
+  return asked.emplace(name, python_row(name, python)).first->second;
+}
 
 // The options that estimators of this kind have.
 bool linearised_at_the_truth(EstimatorKind kind, const Configuration& c) {
@@ -71,14 +102,20 @@ std::string_view to_string(EstimatorKind kind) {
   return kNames[static_cast<size_t>(kind)];
 }
 
-std::span<const EstimatorRow> estimator_table() { return kTable; }
+std::span<const EstimatorRow> estimator_table() { return table(); }
 
 const EstimatorRow& find_estimator(const std::string& name) {
   if (name == "bound") {
     throw std::invalid_argument(
         "estimator 'bound' is called 'ideal_covariance' now: it is no bound");
   }
+  if (const auto python = python_class(name)) return find_python(name, *python);
   return find_row(estimator_table(), name, "estimator");
+}
+
+std::string estimator_label(const std::string& name) {
+  const auto python = python_class(name);
+  return python ? python->name : name;
 }
 
 bool is_oracle(const EstimatorRow& row, Configuration configuration) {

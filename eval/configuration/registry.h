@@ -1,6 +1,8 @@
-// The table of estimators: the one place that knows which there are. One row adds one.
+// The table of estimators: the one place that knows which there are. One row adds one. Beside them
+// stand those written in Python, by the name `python:FILE.py:Class`.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -18,18 +20,23 @@ enum class EstimatorKind { kFilter, kSmoother, kBatch, kIdealCovariance };
 std::string_view to_string(EstimatorKind kind);
 
 struct EstimatorRow {
-  std::string_view name;
-  std::string_view description;
+  std::string name;
+  std::string description;
   EstimatorKind kind;
-  bool oracle;                     // given part of the ground truth, whatever the configuration
-  void (*adjust)(Configuration&);  // what the name means beyond the factory, stated in run.yaml
-  std::unique_ptr<Estimator> (*make)(const Setup&, const Configuration&);
+  bool oracle;  // given part of the ground truth, whatever the configuration
+  std::function<void(Configuration&)> adjust;  // what the name means beyond the factory
+  std::function<std::unique_ptr<Estimator>(const Setup&, const Configuration&)> make;
+  bool has_models = true;  // false: landmark models mean nothing to it
 };
 
 std::span<const EstimatorRow> estimator_table();
 
-// Throws std::invalid_argument naming the known ones.
+// Throws std::invalid_argument naming the known ones, or saying what is wrong with a script. What
+// a script says of itself is asked once.
 const EstimatorRow& find_estimator(const std::string& name);
+
+// The name in labels and names of folders: of a Python estimator its class.
+std::string estimator_label(const std::string& name);
 
 // Whether it is given part of the ground truth: labels, or the point of linearisation.
 bool is_oracle(const EstimatorRow& row, Configuration configuration);

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "eval/python/interpreter.h"
+
 extern char** environ;
 
 namespace slammot {
@@ -51,7 +53,7 @@ std::optional<Path> write_report(const char* generator, const Path& output) {
   const std::optional<Path> share = share_folder();
   if (!share) return std::nullopt;
   const Path report = output / "report.html";
-  if (!run_program({"/usr/bin/python3", (*share / generator).string(), output.string()})) {
+  if (!run_program({python_interpreter(), (*share / generator).string(), output.string()})) {
     return std::nullopt;
   }
   return std::filesystem::exists(report) ? std::optional(report) : std::nullopt;

@@ -21,6 +21,15 @@ void require_finite(const CameraState& x) {
   if (x.position.norm() > kNowhere) throw Diverged("the camera is a million kilometres away");
 }
 
+// Of the pose, and of the velocities: NaN throughout is a covariance that is not stated.
+void require_finite_or_unknown(const Matrix12d& covariance) {
+  for (const int part : {0, 6}) {
+    const Matrix6d block = covariance.block<6, 6>(part, part);
+    if (block.allFinite() || block.array().isNaN().all()) continue;
+    throw Diverged("the camera's covariance is not a number");
+  }
+}
+
 FrameCounts counts_of(const FrameReport& report) {
   return {.accepted = report.accepted,
           .rejected = report.rejected,
@@ -56,7 +65,7 @@ void drive_frame(const Frame& frame, Estimator& estimator, const DriveOptions& o
   const CameraEstimate camera = estimator.camera();  // its covariance is part of the frame's cost
   add_timing(clock, frame.index, report.state_size, result);
   require_finite(camera.state);
-  if (!camera.covariance.allFinite()) throw Diverged("the camera's covariance is not a number");
+  require_finite_or_unknown(camera.covariance);
   result.frames.push_back(frame.index);
   result.filtered.push_back(camera);
   result.counts.push_back(counts_of(report));

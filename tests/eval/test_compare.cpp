@@ -54,11 +54,14 @@ TEST(Compare, MistakesAreFoundBeforeTheFirstRun) {
   const test::TemporaryFolder folder;
   const Sequence sequence = test::straight_line(2);
   const auto output = folder.path() / "out";
-  for (const auto& rows : {crossed({"ekf"}, {"scaled_velocity", "cube"}),
-                           crossed({"ekf", "guess"}, {"scaled_velocity"}),
-                           crossed({"ekf", "ekf"}, {"scaled_velocity"})}) {
-    EXPECT_THROW(compare(sequence, Configuration{}, rows, options_to(output)),
-                 std::invalid_argument);
+  using Names = std::vector<std::string>;
+  for (const auto& [estimators, landmarks] :
+       {std::pair{Names{"ekf"}, Names{"scaled_velocity", "cube"}},
+        std::pair{Names{"ekf", "guess"}, Names{"scaled_velocity"}},
+        std::pair{Names{"ekf", "ekf"}, Names{"scaled_velocity"}}}) {
+    EXPECT_THROW(
+        compare(sequence, Configuration{}, crossed(estimators, landmarks), options_to(output)),
+        std::invalid_argument);
     EXPECT_FALSE(std::filesystem::exists(output));
   }
 }

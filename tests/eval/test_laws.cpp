@@ -126,7 +126,13 @@ RC_GTEST_PROP(RunFolderLaws, ReadingIsTheInverseOfWriting, ()) {
   const Sequence sequence = test::straight_line(5);
   const RunResult run = generated_run(sequence);
   const test::TemporaryFolder first, second;
-  const RunDescription description{"c", "e", "/s", sequence.name, "0", 3, Configuration{}};
+  RunDescription description;
+  description.command = "c";
+  description.estimator = "e";
+  description.sequence = "/s";
+  description.sequence_name = sequence.name;
+  description.sequence_sha256 = "0";
+  description.seed = 3;
   write_run(first.path(), description, run, compute_metrics(sequence, run, 0.9));
   const StoredRun stored = read_run(first.path());
   write_run(second.path(), description, stored.run, compute_metrics(sequence, stored.run, 0.9));

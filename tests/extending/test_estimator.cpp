@@ -48,7 +48,7 @@ class DeadReckoning final : public Estimator {
   bool started_ = false;
 };
 
-constexpr EstimatorRow kDeadReckoning{
+const EstimatorRow kDeadReckoning{
     "dead_reckoning",
     "the motion model alone",
     EstimatorKind::kFilter,

@@ -1,0 +1,20 @@
+"""slammot from Python: runs, studies and sequences as tables and arrays, and estimators written in Python.
+
+What needs pandas is loaded when it is first used, so that an estimator's process starts fast.
+"""
+import importlib
+
+from .estimator import (Camera, CameraEstimate, Diverged, Estimator, Frame, FrameReport, KnownLandmarks,
+                        LandmarkEstimate, Setup)
+
+_LATER = {"read_run": "reading", "read_study": "reading", "read_sequence": "reading", "Run": "reading",
+          "Sequence": "reading", "program": "program", "slammot": "program", "simulate": "program", "run": "program"}
+
+__all__ = ["Camera", "CameraEstimate", "Diverged", "Estimator", "Frame", "FrameReport", "KnownLandmarks",
+           "LandmarkEstimate", "Setup", *_LATER]
+
+
+def __getattr__(name):
+    if name not in _LATER:
+        raise AttributeError(f"module 'slammot' has no attribute '{name}'")
+    return getattr(importlib.import_module("." + _LATER[name], __name__), name)

@@ -1,0 +1,114 @@
+"""An estimator written in Python: derive from Estimator, and name it to the program as `python:FILE.py:Class`.
+
+Poses are T_WC. The error of a pose is [dr (W), dtheta (C, right: R_true = R_estimated Exp(dtheta))], as everywhere.
+"""
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+class Diverged(Exception):
+    """The estimate is of no use any more. The run ends and keeps what was done."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """`model` is pinhole, radtan or equidistant; the centre of the top-left pixel is (0, 0)."""
+    model: str
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    distortion: np.ndarray
+
+    @property
+    def matrix(self):
+        return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
+
+
+@dataclass(frozen=True)
+class KnownLandmarks:
+    """Known beforehand; they fix the scale. `sigmas` are of each axis [m]."""
+    tracks: np.ndarray
+    positions: np.ndarray
+    sigmas: np.ndarray
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What an estimator may know before the first frame: never the truth."""
+    camera: Camera
+    pixel_sigma: float
+    acceleration: float          # noise of the camera [m/s^2]
+    angular_acceleration: float  # [rad/s^2]
+    prior: dict                  # of landmarks: inverse_depth, inverse_depth_sigma, max_speed, ...
+    initial: "CameraEstimate"    # before the first frame, covariance 12x12
+    known: KnownLandmarks
+    configuration: dict          # every configuration key and its value, as text
+
+
+@dataclass(frozen=True)
+class Frame:
+    index: int
+    timestamp: float    # [s]
+    tracks: np.ndarray  # n numbers, increasing
+    pixels: np.ndarray  # n x 2
+
+
+@dataclass
+class CameraEstimate:
+    """`covariance` is 6x6 of the pose, 12x12 with both velocities, or None where it is not known."""
+    position: np.ndarray
+    orientation: np.ndarray = (0.0, 0.0, 0.0, 1.0)  # quaternion x, y, z, w
+    covariance: np.ndarray = None
+    velocity: np.ndarray = (0.0, 0.0, 0.0)          # W [m/s]
+    angular_velocity: np.ndarray = (0.0, 0.0, 0.0)  # C [rad/s]
+    timestamp: float = None                         # of the frame, if not given
+
+
+@dataclass
+class LandmarkEstimate:
+    """After the newest frame. `last_frame` is that of its newest measurement."""
+    track: int
+    position: np.ndarray
+    label: str = "unknown"  # or static, moving
+    position_covariance: np.ndarray = None
+    velocity: np.ndarray = None
+    velocity_covariance: np.ndarray = None
+    first_frame: int = 0
+    last_frame: int = 0
+    decision_frame: int = None
+    observations: int = 0
+
+
+@dataclass
+class FrameReport:
+    """What happened in a frame; `nis` are those of the accepted measurements."""
+    accepted: int = 0
+    rejected: int = 0
+    admitted: int = 0
+    state_size: int = 0
+    nis: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+
+class Estimator:
+    kind = "filter"   # or smoother
+    description = ""  # for tables
+
+    def __init__(self, setup, **options):
+        """`options` come from the configuration key python.options, as JSON."""
+        raise NotImplementedError
+
+    def process(self, frame):
+        """The CameraEstimate after this Frame; or that and a FrameReport."""
+        raise NotImplementedError
+
+    def landmarks(self):
+        """A LandmarkEstimate of every landmark in the state."""
+        return []
+
+    def smoothed(self):
+        """A CameraEstimate of every frame, with its timestamp, after the last frame; of a smoother."""
+        return []

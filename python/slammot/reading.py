@@ -1,0 +1,133 @@
+"""What the program wrote, as pandas tables and numpy arrays."""
+import json
+import pathlib
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas
+import yaml
+
+from .estimator import Camera, Frame
+
+_TUM = ["timestamp", "x", "y", "z", "qx", "qy", "qz", "qw"]
+
+
+def _file(folder, name, required=True):
+    file = pathlib.Path(folder, name)
+    if not file.is_file():
+        if required:
+            raise FileNotFoundError(f"{file}: no such file")
+        return None
+    return file
+
+
+def _table(file, **how):
+    """A CSV or TUM file as a table; None for no file."""
+    if file is None:
+        return None
+    try:
+        return pandas.read_csv(file, float_precision="round_trip", **how)
+    except (ValueError, pandas.errors.ParserError) as error:
+        raise ValueError(f"{file}: {error}") from None
+
+
+def _yaml(file):
+    if file is None:
+        return {}
+    try:
+        return yaml.safe_load(file.read_text(encoding="utf-8"))
+    except yaml.YAMLError as error:
+        raise ValueError(f"{file}: {error}") from None
+
+
+def _trajectory(file):
+    return _table(file, sep=r"\s+", comment="#", header=None, names=_TUM)
+
+
+def _symmetric(table, prefix, size):
+    """n x size x size, of columns PREFIX11, PREFIX12, ... that hold the upper triangles."""
+    rows, columns = np.triu_indices(size)
+    names = [f"{prefix}{i + 1}{j + 1}" for i, j in zip(rows, columns)]
+    full = np.empty((len(table), size, size))
+    full[:, rows, columns] = table[names].to_numpy()
+    full[:, columns, rows] = full[:, rows, columns]
+    return full
+
+
+@dataclass
+class Run:
+    """A run's folder. Trajectories have columns timestamp, x, y, z, qx, qy, qz, qw; covariances are n x 6 x 6 of
+    [dr (W), dtheta (C, right)]; tables are None where there is no file, as in runs made elsewhere."""
+    folder: pathlib.Path
+    description: dict
+    trajectory: pandas.DataFrame
+    covariance: np.ndarray = None
+    smoothed: pandas.DataFrame = None
+    smoothed_covariance: np.ndarray = None
+    landmarks: pandas.DataFrame = None
+    classification: pandas.DataFrame = None
+    timing: pandas.DataFrame = None
+    metrics: dict = field(default_factory=dict)
+
+
+def read_run(folder):
+    def covariances(name):
+        table = _table(_file(folder, name, required=False), comment="#")
+        return None if table is None else _symmetric(table, "p", 6)
+
+    def optional(name):
+        return _table(_file(folder, name, required=False), comment="#")
+
+    trajectory = _trajectory(_file(folder, "trajectory.tum"))
+    metrics = _file(folder, "metrics.json", required=False)
+    return Run(folder=pathlib.Path(folder), description=_yaml(_file(folder, "run.yaml", required=False)),
+               trajectory=trajectory, covariance=covariances("pose_covariance.csv"),
+               smoothed=_trajectory(_file(folder, "trajectory_smoothed.tum", required=False)),
+               smoothed_covariance=covariances("pose_covariance_smoothed.csv"), landmarks=optional("landmarks.csv"),
+               classification=optional("classification.csv"), timing=optional("timing.csv"),
+               metrics=json.loads(metrics.read_text(encoding="utf-8")) if metrics else {})
+
+
+def read_study(folder):
+    """A row per run: scenario, group, estimator, label, swept values, seed, metrics, times. Runs of a group that have
+    the same seed saw the same measurements."""
+    return _table(_file(folder, "runs.csv"), keep_default_na=False, na_values=[""])
+
+
+@dataclass
+class Sequence:
+    """A sequence's folder. `truth` has the columns of a trajectory; `landmarks` and `known` are None if not stated."""
+    folder: pathlib.Path
+    name: str
+    camera: Camera
+    pixel_sigma: float
+    frames: pandas.DataFrame        # frame, timestamp[, image]
+    observations: pandas.DataFrame  # frame, track, u, v
+    truth: pandas.DataFrame = None
+    landmarks: pandas.DataFrame = None
+    known: pandas.DataFrame = None
+    settings: dict = field(default_factory=dict)  # sequence.yaml
+    initial: dict = field(default_factory=dict)   # initial.yaml
+
+    def __iter__(self):
+        """Frames as an estimator is given them."""
+        by_frame = dict(iter(self.observations.groupby("frame", sort=False)))
+        nothing = self.observations.iloc[:0]
+        for row in self.frames.itertuples():
+            rows = by_frame.get(row.frame, nothing)
+            yield Frame(row.frame, row.timestamp, rows["track"].to_numpy(), rows[["u", "v"]].to_numpy(float))
+
+
+def read_sequence(folder):
+    """Of the native layout, which `slammot simulate` and `slammot track` write."""
+    settings = _yaml(_file(folder, "sequence.yaml"))
+    c = settings["camera"]
+    camera = Camera(c["model"], int(c["width"]), int(c["height"]), *(float(c[key]) for key in ("fx", "fy", "cx", "cy")),
+                    np.array(c.get("distortion", []), float))
+    observations = _table(_file(folder, "observations.csv")).sort_values(["frame", "track"], ignore_index=True)
+    return Sequence(folder=pathlib.Path(folder), name=settings["name"], camera=camera,
+                    pixel_sigma=float(settings["pixel_sigma"]), frames=_table(_file(folder, "frames.csv")),
+                    observations=observations, truth=_trajectory(_file(folder, "groundtruth.tum", required=False)),
+                    landmarks=_table(_file(folder, "landmarks.csv", required=False)),
+                    known=_table(_file(folder, "known.csv", required=False)), settings=settings,
+                    initial=_yaml(_file(folder, "initial.yaml", required=False)))
