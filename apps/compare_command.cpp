@@ -10,6 +10,8 @@
 #include "apps/support/draw_run.h"
 #include "apps/support/progress.h"
 #include "apps/support/sequence_source.h"
+#include "apps/support/usage.h"
+#include "apps/support/writable.h"
 #include "datasets/readers/reader.h"
 #include "eval/compare/compare.h"
 #include "eval/configuration/registry.h"
@@ -102,6 +104,7 @@ int execute(CompareArguments arguments) {
   if (std::filesystem::exists(output / "study.yaml")) {
     throw std::invalid_argument(output.string() + " holds a study: a comparison needs its own");
   }
+  require_writable_folder(output);
   const Sequence sequence = selected(obtain(arguments, output), configuration.frames);
   if (arguments.pictures && sequence.images.empty()) {
     throw InputError(sequence.folder, 0, "--pictures: frames.csv names no images");
@@ -147,6 +150,7 @@ void add_compare(CLI::App& app, int& exit_code) {
       ->excludes(sequence);
   command->add_option("--seed", arguments->scenario.seed, "of the simulation")
       ->excludes(sequence)
+      ->check(whole_number_from(0))
       ->capture_default_str();
   command->add_option("--scenario-set", arguments->scenario.settings, "a parameter of the scenario")
       ->type_name("KEY=VALUE")

@@ -6,6 +6,7 @@
 #include "apps/commands.h"
 #include "apps/support/draw_run.h"
 #include "apps/support/progress.h"
+#include "apps/support/writable.h"
 #include "datasets/readers/reader.h"
 #include "eval/output/run_reader.h"
 
@@ -28,6 +29,7 @@ void execute(const DrawArguments& arguments) {
   }
   const std::filesystem::path output =
       arguments.output.empty() ? run / "pictures" : std::filesystem::path(arguments.output);
+  require_writable_folder(output);
   Progress progress;
   const int count = draw_run(run, read_sequence(sequence), output,
                              [&](int done, int total) { progress.show("draw", done, total); });

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "apps/commands.h"
+#include "apps/support/writable.h"
 #include "eval/output/metrics_json.h"
 #include "eval/output/metrics_table.h"
 #include "eval/run/evaluate.h"
@@ -19,6 +20,7 @@ struct EvaluateArguments {
 };
 
 void execute(const EvaluateArguments& arguments) {
+  if (!arguments.json.empty()) require_writable_file(arguments.json);
   std::vector<NamedMetrics> results;
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const std::string& folder : arguments.runs) {

@@ -8,6 +8,7 @@
 #include "apps/support/configuration_options.h"
 #include "apps/support/progress.h"
 #include "apps/support/sequence_source.h"
+#include "apps/support/writable.h"
 #include "datasets/readers/reader.h"
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_table.h"
@@ -33,6 +34,7 @@ int execute(const RunArguments& arguments) {
       arguments.output.empty()
           ? fmt::format("slammot-out/run-{}-{}", sequence.name, estimator_label(row.name))
           : arguments.output;
+  require_writable_folder(output);
   if (const auto warning = warning_about(sequence, configuration, arguments.estimator)) {
     fmt::print(stderr, "slammot: warning: {}\n", *warning);
   }

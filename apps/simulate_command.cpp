@@ -5,6 +5,8 @@
 
 #include "apps/commands.h"
 #include "apps/support/sequence_source.h"
+#include "apps/support/usage.h"
+#include "apps/support/writable.h"
 #include "datasets/simulation/scenario.h"
 #include "datasets/simulation/scene/parameters.h"
 #include "frontend/rendering/render.h"
@@ -53,6 +55,7 @@ void render_images(const SimulateArguments& arguments) {
 }
 
 void execute(const SimulateArguments& arguments) {
+  require_writable_folder(arguments.output);
   if (arguments.render) return render_images(arguments);
   if (arguments.scenario.scenario.empty()) throw std::invalid_argument("which SCENARIO?");
   const Sequence sequence = simulate_to(arguments.scenario, arguments.output);
@@ -68,7 +71,9 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("SCENARIO", arguments->scenario.scenario, "see `slammot list scenarios`");
   command->add_flag("--render", arguments->render,
                     "images of a textured room, for `slammot track`");
-  command->add_option("--seed", arguments->scenario.seed)->capture_default_str();
+  command->add_option("--seed", arguments->scenario.seed, "of all noise")
+      ->check(whole_number_from(0))
+      ->capture_default_str();
   command->add_option("--set", arguments->scenario.settings, "one parameter; may be repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);

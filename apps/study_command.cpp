@@ -7,6 +7,8 @@
 
 #include "apps/commands.h"
 #include "apps/support/progress.h"
+#include "apps/support/usage.h"
+#include "apps/support/writable.h"
 #include "eval/report/report_generator.h"
 #include "eval/study/study_driver.h"
 #include "eval/study/study_summary.h"
@@ -39,10 +41,11 @@ Shard parse_shard(const std::string& text) {
 }
 
 int finish(const Study& study, const std::filesystem::path& output,
-           const std::vector<std::filesystem::path>& folders) {
+           const std::vector<std::filesystem::path>& folders, int jobs) {
   merge_runs(study, folders, output);
   write_runs_table(study, output);
-  std::ofstream(output / "summary.json") << summarise_study(study, output).dump(1) << '\n';
+  std::ofstream(output / "summary.json")
+      << summarise_study(study, output, provenance(jobs)).dump(1) << '\n';
   std::ofstream(output / "view.json") << study_view(study).dump() << '\n';
   const auto report = write_study_report(output);
   if (!report) {
@@ -62,11 +65,12 @@ int execute(const StudyArguments& arguments) {
   const std::filesystem::path output =
       arguments.output.empty() ? std::filesystem::path("slammot-out") / ("study-" + study.name)
                                : std::filesystem::path(arguments.output);
+  require_writable_folder(output);
   if (arguments.merge_only) {
     claim_folder(study, output, shard, true);
     std::vector<std::filesystem::path> folders(arguments.merge.begin(), arguments.merge.end());
     if (folders.empty()) folders.push_back(output);
-    return finish(study, output, folders);
+    return finish(study, output, folders, 0);
   }
   claim_folder(study, output, shard, arguments.resume);
   StudyOptions options;
@@ -82,7 +86,7 @@ int execute(const StudyArguments& arguments) {
   const int ran = run_study(study, options);
   progress.clear();
   fmt::print("{} runs done{}\n", ran, arguments.resume ? ", the others were there" : "");
-  if (shard.count == 1) return finish(study, output, {output});
+  if (shard.count == 1) return finish(study, output, {output}, options.jobs);
   fmt::print(
       "shard {} of {} is in {}; when all are there: slammot study {} --merge --output {}; or, of a "
       "folder each: --merge DIR1 DIR2 ... --output DIR\n",
@@ -101,9 +105,9 @@ void add_study(CLI::App& app, int& exit_code) {
   command->add_option("--output", arguments->output, "folder for runs and report")
       ->type_name("DIR");
   command->add_option("--runs", arguments->runs, "seeds of each cell, instead of the file's number")
-      ->check(CLI::PositiveNumber);
+      ->check(whole_number_from(1));
   command->add_option("--jobs", arguments->jobs, "runs at a time; all cores without it")
-      ->check(CLI::PositiveNumber);
+      ->check(whole_number_from(1));
   auto* shard =
       command->add_option("--shard", arguments->shard, "only every N-th run, from the I-th")
           ->type_name("I/N");

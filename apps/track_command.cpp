@@ -8,10 +8,13 @@
 #include "apps/commands.h"
 #include "apps/support/command_line.h"
 #include "apps/support/progress.h"
+#include "apps/support/usage.h"
+#include "apps/support/writable.h"
 #include "datasets/native/native_settings.h"
 #include "datasets/native/native_writer.h"
 #include "datasets/readers/image_reader.h"
 #include "datasets/text/text_table.h"
+#include "eval/provenance/provenance.h"
 #include "frontend/rendering/render.h"
 #include "frontend/tracking/track_images.h"
 
@@ -70,13 +73,14 @@ void write_description(const TrackArguments& arguments, const TrackedImages& tra
   std::ofstream out(Path(arguments.output) / "track.yaml", std::ios::binary);
   out.exceptions(std::ios::badbit | std::ios::failbit);
   out << fmt::format(
-      "version: {}\ncommand: \"{}\"\nframes: {}\nframes_skipped: {}\ntracks: {}\n"
+      "version: \"{}\"\ncommand: \"{}\"\nframes: {}\nframes_skipped: {}\ntracks: {}\n"
       "pixel_sigma: \"{}\"\n",
-      SLAMMOT_VERSION, command_line(), tracked.sequence.frames.size(), tracked.skipped.size(),
+      version_text(), command_line(), tracked.sequence.frames.size(), tracked.skipped.size(),
       tracked.tracks, noise_text(tracked));
 }
 
 int execute(TrackArguments arguments) {
+  require_writable_folder(arguments.output);
   if (!arguments.chessboard.empty()) {
     arguments.options.chessboard = parse_chessboard(arguments.chessboard);
   }
@@ -143,7 +147,7 @@ void add_track(CLI::App& app, int& exit_code) {
   command->add_flag("--mixed-colours", options.mixed_colours,
                     "take grey images among colour ones, as writers make of those without colour");
   command->add_option("--threads", options.threads, "0: as many as there are cores")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number_from(0))
       ->capture_default_str();
   command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
 }

@@ -55,10 +55,11 @@ set(SLAMMOT_PRECOMPILED <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <Eigen/LU
     <filesystem> <functional> <map> <memory> <optional> <span> <stdexcept> <string> <vector>)
 
 # The library `name` of all sources in the calling folder and below it, so that adding a file is adding
-# a file: slammot_library(models LINKS lib ... PRIVATE_LINKS lib ...).
+# a file: slammot_library(models LINKS lib ... PRIVATE_LINKS lib ...). Without the source EXCLUDE.
 function(slammot_library name)
-  cmake_parse_arguments(ARG "" "" "LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "EXCLUDE" "LINKS;PRIVATE_LINKS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_EXCLUDE})
   add_library(slammot_${name} STATIC ${sources})
   add_library(slammot::${name} ALIAS slammot_${name})
   set_target_properties(slammot_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON

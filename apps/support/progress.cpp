@@ -6,27 +6,38 @@
 #include <cstdio>
 
 namespace slammot {
+namespace {
+
+bool silent = false;
+
+using std::chrono_literals::operator""ms;
+using std::chrono_literals::operator""min;
+
+}  // namespace
+
+void Progress::silence() { silent = true; }
 
 Progress::Progress(std::string unit, std::string units)
     : unit_(std::move(unit)), units_(std::move(units)), on_terminal_(isatty(STDERR_FILENO) == 1) {}
 
-void Progress::show(const std::string& label, int done, int total) {
-  if (!on_terminal_) return;
-  const Clock::time_point now = Clock::now();
+void Progress::show(const std::string& label, int done, int total, Clock::time_point now) {
+  if (silent) return;
   if (label != label_) {
     label_ = label;
     start_ = shown_ = now;
     before_ = done;
     return;
   }
-  if (done < total && now - shown_ < std::chrono::milliseconds(200)) return;
+  const Clock::duration pause = on_terminal_ ? Clock::duration(200ms) : Clock::duration(1min);
+  const bool last = on_terminal_ && done >= total;
+  if (!last && now - shown_ < pause) return;
   shown_ = now;
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const double rate = elapsed > 0.0 ? (done - before_) / elapsed : 0.0;  // the first set the clock
   const double left = rate > 0.0 ? (total - done) / rate : 0.0;
-  const std::string line = fmt::format("\r\033[K{}: {} {} of {}, {:.2g} {}/s, {:.0f} s left", label,
-                                       unit_, done, total, rate, units_, left);
-  std::fputs(line.c_str(), stderr);
+  const std::string line = fmt::format("{}: {} {} of {}, {:.2g} {}/s, {:.0f} s left", label, unit_,
+                                       done, total, rate, units_, left);
+  fmt::print(stderr, fmt::runtime(on_terminal_ ? "\r\033[K{}" : "{}\n"), line);
 }
 
 void Progress::clear() {

@@ -1,5 +1,5 @@
-// Progress on a terminal: what is done, frames (or runs) a second, and the time left. Silent when
-// stderr is not a terminal.
+// Progress: what is done, frames (or runs) a second, and the time left. On a terminal one line that
+// changes; where stderr goes elsewhere a line a minute, so that a log tells that it goes on.
 #pragma once
 
 #include <chrono>
@@ -9,17 +9,20 @@ namespace slammot {
 
 class Progress {
  public:
+  // For all of this process: nothing is shown.
+  static void silence();
+
   explicit Progress(std::string unit = "frame", std::string units = "frames");
   ~Progress() { clear(); }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void show(const std::string& label, int done, int total);
+  using Clock = std::chrono::steady_clock;
+
+  void show(const std::string& label, int done, int total, Clock::time_point now = Clock::now());
   void clear();
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   std::string unit_, units_;
   bool on_terminal_;
   int before_ = 0;  // done when the clock was set

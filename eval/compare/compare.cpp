@@ -115,9 +115,13 @@ std::vector<NamedMetrics> compare(const Sequence& sequence, const Configuration&
                                   const CompareOptions& options) {
   check(configuration, runs);
   std::filesystem::create_directories(options.output);
-  Json json = {{"format", "slammot-compare-1"}, {"version", SLAMMOT_VERSION},
-               {"command", options.command},    {"sequence", sequence_json(sequence, options)},
-               {"truth", truth_json(sequence)}, {"metrics", metric_table_json(options.metrics)},
+  Json json = {{"format", "slammot-compare-1"},
+               {"version", SLAMMOT_VERSION},
+               {"command", options.command},
+               {"provenance", json_of(provenance())},
+               {"sequence", sequence_json(sequence, options)},
+               {"truth", truth_json(sequence)},
+               {"metrics", metric_table_json(options.metrics)},
                {"runs", Json::array()}};
   std::vector<NamedMetrics> results;
   for (const ComparedRun& row : runs) {

@@ -108,6 +108,16 @@ void write_timing(const Path& file, const std::vector<StageTime>& timing) {
   }
 }
 
+void write_provenance(YAML::Emitter& yaml, const Provenance& made_by) {
+  yaml << YAML::Key << "provenance" << YAML::Value << YAML::BeginMap;
+  const Json json = json_of(made_by);
+  for (const auto& [key, value] : json.items()) {
+    yaml << YAML::Key << key << YAML::Value
+         << (value.is_string() ? value.get<std::string>() : value.dump());
+  }
+  yaml << YAML::EndMap;
+}
+
 void write_description(const Path& file, const RunDescription& d) {
   const Path sequence = d.sequence.empty() ? d.sequence : std::filesystem::absolute(d.sequence);
   YAML::Emitter yaml;
@@ -120,6 +130,7 @@ void write_description(const Path& file, const RunDescription& d) {
   yaml << YAML::Key << "path" << YAML::Value << sequence.lexically_normal().string();
   yaml << YAML::Key << "sha256" << YAML::Value << d.sequence_sha256 << YAML::EndMap;
   if (d.seed) yaml << YAML::Key << "seed" << YAML::Value << *d.seed;
+  write_provenance(yaml, d.made_by);
   yaml << YAML::Key << "configuration" << YAML::Value << YAML::BeginMap;
   for (const auto& [key, value] : key_values(d.configuration)) {
     yaml << YAML::Key << key << YAML::Value << value;
@@ -147,7 +158,9 @@ void write_run(const Path& folder, const RunDescription& description, const RunR
                   run.every_frame.empty() ? run.landmarks : run.every_frame);
   write_classification(folder / run_files::kClassification, run.classification);
   write_timing(folder / run_files::kTiming, run.timing);
-  open(folder / run_files::kMetrics) << metrics_json(metrics).dump(1) << '\n';
+  Json json = metrics_json(metrics);
+  json["provenance"] = json_of(description.made_by);
+  open(folder / run_files::kMetrics) << json.dump(1) << '\n';
 }
 
 }  // namespace slammot

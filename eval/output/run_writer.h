@@ -9,6 +9,7 @@
 
 #include "eval/configuration/configuration.h"
 #include "eval/metrics/metrics.h"
+#include "eval/provenance/provenance.h"
 #include "eval/result/run_result.h"
 
 namespace slammot {
@@ -22,6 +23,7 @@ struct RunDescription {
   std::string sequence_sha256;
   std::optional<std::uint64_t> seed;  // of a simulated sequence
   Configuration configuration;        // the effective one
+  Provenance made_by = provenance();
 };
 
 void write_run(const std::filesystem::path& folder, const RunDescription& description,

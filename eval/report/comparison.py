@@ -53,6 +53,7 @@ class Run:
 class Comparison:
     command: str
     version: str
+    provenance: dict
     sequence: dict
     truth: dict
     table: dict  # key to metrics.Metric
@@ -148,7 +149,7 @@ def read_comparison(output):
         table = read_table(content["metrics"])
         runs = [read_run(path.parent, entry, table, name, RUN_COLOURS[i % len(RUN_COLOURS)])
                 for i, (entry, name) in enumerate(zip(entries, named(entries)))]
-        return Comparison(command=content["command"], version=content["version"],
+        return Comparison(command=content["command"], version=content["version"], provenance=content.get("provenance", {}),
                           sequence=content["sequence"], truth=content.get("truth") or {}, table=table, runs=runs)
     except KeyError as error:
         raise BadInput(f"{path}: the key {error} is missing") from error

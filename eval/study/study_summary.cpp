@@ -127,9 +127,10 @@ Json group_json(const StudyCell& first, std::vector<Finished> cells) {
   return group;
 }
 
-Json heading(const Study& study) {
+Json heading(const Study& study, const Provenance& made_by) {
   Json json = {{"format", "slammot-summary-2"},
                {"version", SLAMMOT_VERSION},
+               {"provenance", json_of(made_by)},
                {"name", study.name},
                {"title", study.title},
                {"runs", study.runs},
@@ -147,8 +148,9 @@ Json heading(const Study& study) {
 
 }  // namespace
 
-Json summarise_study(const Study& study, const std::filesystem::path& folder) {
-  Json json = heading(study);
+Json summarise_study(const Study& study, const std::filesystem::path& folder,
+                     const Provenance& made_by) {
+  Json json = heading(study, made_by);
   CellLines results(folder / "results.jsonl"), timing(folder / "timing.jsonl");
   for (std::size_t i = 0; i < study.cells.size();) {
     const StudyCell& first = study.cells[i];

@@ -7,12 +7,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "eval/provenance/provenance.h"
 #include "eval/study/study.h"
 
 namespace slammot {
 
 // Reads results.jsonl and timing.jsonl of the folder, both sorted by cell: the samples of one cell
 // are in memory at a time.
-nlohmann::ordered_json summarise_study(const Study& study, const std::filesystem::path& folder);
+nlohmann::ordered_json summarise_study(const Study& study, const std::filesystem::path& folder,
+                                       const Provenance& made_by = provenance());
 
 }  // namespace slammot

@@ -1,4 +1,5 @@
 // The program itself: exit codes, and one line that names file, line and reason for bad input.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -112,6 +113,45 @@ TEST(Cli, ZeroFrames) {
   files["observations.csv"] = "frame,track,u,v\n";
   expect_refused(run_files(files), "frames.csv");
   expect_refused(run_files(good_sequence(), "--set frames.first=10"), "frames.first");
+}
+
+TEST(Cli, UsageErrorsAreOneLineAndNameTheNearest) {
+  expect_refused(slammot("comprae"), "unknown command 'comprae', the nearest are compare");
+  expect_refused(slammot("run /nowhere --sead 3"), "has no option --sead, the nearest are --set");
+  expect_refused(slammot("--quite list scenarios"), "no option --quite, the nearest are --quiet");
+  expect_refused(slammot("run"), "SEQUENCE is required; see slammot run --help");
+  expect_refused(slammot("report /a /b"), "no further argument '/b'");
+  expect_refused(slammot(""), "see slammot --help");
+  expect_refused(slammot("simulate circle --seed -1 --output /nowhere"), "--seed: '-1'");
+  expect_refused(slammot("compare --seed 1.5"), "--seed: '1.5'");
+  expect_refused(slammot("study /nowhere --jobs 0"), "--jobs: '0'");
+}
+
+TEST(Cli, AFolderThatCannotBeWrittenIsRefusedBeforeAnythingIsComputed) {
+  expect_refused(slammot("simulate circle --output /proc/x/y"), "/proc/x/y: cannot be written: ");
+  expect_refused(slammot("simulate circle --output /dev/null/x"), "cannot be written: ");
+  const test::TemporaryFolder folder;
+  test::write_text(folder.path() / "trajectory.tum", "0 0 0 0 0 0 0 1\n");
+  expect_refused(slammot("evaluate '" + folder.path().string() + "' --json /proc/x.json"),
+                 "/proc/x.json: cannot be written: ");
+  const auto output = folder.path() / "new" / "folder/";
+  EXPECT_EQ(slammot("run /nowhere --estimator ekf --output '" + output.string() + "'").exit_code,
+            2);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "new"));
+}
+
+TEST(Cli, QuietSaysNothingButErrors) {
+  const Outcome outcome = run_files(good_sequence(), "--quiet");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(outcome.out + outcome.error, "");
+  EXPECT_EQ(slammot("--quiet list scenarios").out, "");
+  expect_refused(run_files(good_sequence(), "--quiet --set window.frame=3"), "window.frames");
+}
+
+TEST(Cli, VersionSaysCommitAndCompiler) {
+  EXPECT_THAT(
+      slammot("--version").out,
+      testing::ContainsRegex("^slammot [0-9.]+ \\(commit [0-9a-z]+(, modified)?; .+\\)\n$"));
 }
 
 TEST(Cli, BadConfigurationAndUsage) {

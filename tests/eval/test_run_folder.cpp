@@ -108,6 +108,25 @@ TEST(RunFolder, RunYamlReproducesTheConfiguration) {
   }
 }
 
+TEST(RunFolder, SaysWhatMadeIt) {
+  const Sequence sequence = test::straight_line(2);
+  FakeEstimator estimator([&](const Frame& f) { return awkward_belief(sequence, f); });
+  const RunResult run = drive(sequence, estimator);
+  const test::TemporaryFolder folder;
+  RunDescription description = description_of(sequence, {});
+  state_commit("0123456789ab", true);
+  description.made_by = provenance(3);
+  state_commit("unknown", true);
+  write_run(folder.path(), description, run, compute_metrics(sequence, run, 0.95));
+  const std::string text = test::read_text(folder.path() / "run.yaml");
+  for (const char* part : {"commit: 0123456789ab", "modified: true",
+                           "compiler: ", "cpu: ", "cores: ", "jobs: 3", "date: 20"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+  }
+  const Json metrics = Json::parse(test::read_text(folder.path() / "metrics.json"));
+  EXPECT_EQ(metrics["provenance"], json_of(description.made_by));
+}
+
 TEST(RunFolder, UndefinedIsNanInCsvAndNeverZero) {
   const Sequence sequence = test::straight_line(2);
   FakeEstimator estimator([&](const Frame& f) { return awkward_belief(sequence, f); });

@@ -62,6 +62,12 @@ class Study(unittest.TestCase):
         self.assertEqual([(r["cell"], r["seed"]) for r in runs], [(c, s) for c in range(8) for s in range(1, 5)])
         self.assertTrue(all(r["diverged"] is None for r in runs))
 
+    def test_what_made_it_is_in_the_summary_and_on_the_page(self):
+        made_by = json.loads((self.whole / "summary.json").read_text(encoding="utf-8"))["provenance"]
+        self.assertEqual(made_by["jobs"], 2)
+        self.assertIn(made_by["commit"], (self.whole / "report.html").read_text(encoding="utf-8"))
+        self.assertIn(made_by["cpu"], (self.whole / "report.html").read_text(encoding="utf-8"))
+
     def test_one_job_or_two(self):
         slammot("study", self.study, "--jobs", 1, "--output", self.folder / "one_job")
         self.same(self.folder / "one_job")

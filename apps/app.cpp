@@ -1,0 +1,83 @@
+#include "apps/app.h"
+
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+
+#include <slammot_commit.h>
+#include "apps/commands.h"
+#include "apps/support/command_line.h"
+#include "apps/support/progress.h"
+#include "apps/support/usage.h"
+#include "datasets/sequence/sequence.h"
+#include "eval/provenance/provenance.h"
+#include "eval/run/process.h"
+
+namespace slammot::app {
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kBadUsage = 2;
+
+int complain(const std::string& reason, int exit_code) {
+  std::fprintf(stderr, "slammot: %s\n", reason.c_str());
+  return exit_code;
+}
+
+int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
+  try {
+    app.parse(argc, argv);
+    return exit_code;
+  } catch (const CLI::Success& help) {  // --help and --version are exceptions too
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    return complain(usage_error(app, error), kBadUsage);
+  } catch (const InputError& error) {
+    return complain(error.what(), kBadUsage);
+  } catch (const std::invalid_argument& error) {
+    return complain(error.what(), kBadUsage);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return complain(error.path1().string() + ": " + error.code().message(), kFailed);
+  } catch (const std::exception& error) {
+    return complain(error.what(), kFailed);
+  }
+}
+
+// What a command says goes nowhere; errors and the exit code stay.
+void be_quiet() {
+  Progress::silence();
+  if (std::freopen("/dev/null", "w", stdout) == nullptr) throw std::runtime_error("no /dev/null");
+}
+
+void add_commands(CLI::App& app, int& exit_code) {
+  add_compare(app, exit_code);
+  add_run(app, exit_code);
+  add_study(app, exit_code);
+  add_report(app, exit_code);
+  add_simulate(app, exit_code);
+  add_track(app, exit_code);
+  add_draw(app, exit_code);
+  add_evaluate(app, exit_code);
+  add_list(app, exit_code);
+  for (CLI::App* command : app.get_subcommands({})) command->fallthrough();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  choose_blas_kernels(argv);
+  prepare_process();
+  state_commit(kCommit, kModified);
+  remember_command_line(argc, argv);
+  CLI::App app{
+      "Monocular SLAM with moving objects: filters and smoothers side by side, and judged"};
+  app.name("slammot");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "slammot " + version_text());
+  app.add_flag_callback("--quiet", be_quiet, "print errors only; also after the command");
+  int exit_code = 0;
+  add_commands(app, exit_code);
+  return parse_and_run(app, argc, argv, exit_code);
+}
+
+}  // namespace slammot::app

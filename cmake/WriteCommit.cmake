@@ -1,0 +1,20 @@
+# Writes OUTPUT with the commit of SOURCE and whether the tree differs from it, if that has changed.
+execute_process(COMMAND git -C ${SOURCE} rev-parse --short=12 HEAD
+                OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
+execute_process(COMMAND git -C ${SOURCE} status --porcelain
+                OUTPUT_VARIABLE changes ERROR_QUIET)
+set(modified false)
+if(failed)
+  set(commit unknown)
+endif()
+if(failed OR changes)
+  set(modified true)
+endif()
+set(text "#pragma once\ninline constexpr char kCommit[] = \"${commit}\";\ninline constexpr bool kModified = ${modified};\n")
+set(before "")
+if(EXISTS ${OUTPUT})
+  file(READ ${OUTPUT} before)
+endif()
+if(NOT text STREQUAL before)
+  file(WRITE ${OUTPUT} "${text}")
+endif()
