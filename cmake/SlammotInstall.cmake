@@ -9,9 +9,10 @@ install(TARGETS ${libraries} slammot_blas EXPORT slammotTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT slammotTargets NAMESPACE slammot:: DESTINATION ${SLAMMOT_CMAKE_DIR})
 
+set(SLAMMOT_SHARE_DIR ${CMAKE_INSTALL_DATADIR}/slammot)
 configure_package_config_file(
   ${CMAKE_CURRENT_LIST_DIR}/slammotConfig.cmake.in ${PROJECT_BINARY_DIR}/slammotConfig.cmake
-  INSTALL_DESTINATION ${SLAMMOT_CMAKE_DIR})
+  INSTALL_DESTINATION ${SLAMMOT_CMAKE_DIR} PATH_VARS SLAMMOT_SHARE_DIR)
 write_basic_package_version_file(
   ${PROJECT_BINARY_DIR}/slammotConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/slammotConfig.cmake
@@ -24,7 +25,5 @@ install(CODE "
 install(SCRIPT ${CMAKE_CURRENT_LIST_DIR}/InstallHeaders.cmake)
 
 # Not byte code; studies only once there are some.
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/eval/report
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/slammot PATTERN "__pycache__" EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/eval/studies
         DESTINATION ${CMAKE_INSTALL_DATADIR}/slammot OPTIONAL PATTERN "__pycache__" EXCLUDE)
