@@ -1,6 +1,7 @@
 #include "apps/app.h"
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <stdexcept>
 
@@ -62,16 +63,32 @@ void add_commands(CLI::App& app, int& exit_code) {
   for (CLI::App* command : app.get_subcommands({})) command->fallthrough();
 }
 
+void add(const Extras& extras) {
+  own_numbers().insert(extras.numbers.begin(), extras.numbers.end());
+  add_landmarks(extras.landmarks);
+  add_classifiers(extras.classifiers);
+  add_estimators(extras.estimators);
+  add_readers(extras.readers);
+  add_scenarios(extras.scenarios);
+  add_metrics(extras.metrics);
+}
+
 }  // namespace
 
-int main(int argc, char** argv) {
+int run(int argc, char** argv, const Extras& extras, const char* share) {
   choose_blas_kernels(argv);
   prepare_process();
+  if (*share != '\0') setenv("SLAMMOT_SHARE", share, 0);
   state_commit(kCommit, kModified);
-  remember_command_line(argc, argv);
+  remember_command_line(extras.program, argc, argv);
+  try {
+    add(extras);
+  } catch (const std::invalid_argument& error) {
+    return complain(error.what(), kBadUsage);
+  }
   CLI::App app{
       "Monocular SLAM with moving objects: filters and smoothers side by side, and judged"};
-  app.name("slammot");
+  app.name(extras.program);
   app.require_subcommand(1);
   app.set_version_flag("--version", "slammot " + version_text());
   app.add_flag_callback("--quiet", be_quiet, "print errors only; also after the command");

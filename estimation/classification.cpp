@@ -121,7 +121,7 @@ using Options = ClassifierOptions;
 using TrueLabels = std::map<int, Label>;
 using Made = std::unique_ptr<Classifier>;
 
-constexpr ClassifierRow kTable[] = {
+constexpr ClassifierRow kRows[] = {
     {"thesis", "density at v = 0 over t_s: static; Mahalanobis distance over t_m: moving",
      [](const Options& o, const TrueLabels&) -> Made {
        return std::make_unique<ThesisClassifier>(o);
@@ -140,9 +140,16 @@ constexpr ClassifierRow kTable[] = {
      }},
 };
 
+std::vector<ClassifierRow>& table() {
+  static std::vector<ClassifierRow> rows(std::begin(kRows), std::end(kRows));
+  return rows;
+}
+
 }  // namespace
 
-std::span<const ClassifierRow> classifier_table() { return kTable; }
+std::span<const ClassifierRow> classifier_table() { return table(); }
+
+void add_classifiers(std::span<const ClassifierRow> rows) { add_rows(table(), rows, "classifier"); }
 
 std::unique_ptr<Classifier> make_classifier(const ClassifierOptions& options,
                                             const std::map<int, Label>& true_labels) {

@@ -62,6 +62,9 @@ struct ClassifierRow {
 };
 std::span<const ClassifierRow> classifier_table();
 
+// Before anything is looked up; throws std::invalid_argument for a name that is taken.
+void add_classifiers(std::span<const ClassifierRow> rows);
+
 // The classifier options a landmark model leaves room for.
 inline ClassifierOptions classifier_for(const LandmarkFunctions& landmark,
                                         ClassifierOptions options) {

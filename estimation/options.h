@@ -3,6 +3,7 @@
 // between estimators.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -52,6 +53,13 @@ struct TrackPolicy {
   Retain retain = Retain::kMap;
 };
 
+// Numbers of rows from a user's own program, by configuration key, with their defaults: stated
+// once, before there are options.
+inline std::map<std::string, double>& own_numbers() {
+  static std::map<std::string, double> numbers;
+  return numbers;
+}
+
 struct ClassifierOptions {
   std::string name = "thesis";    // a row of classifier_table()
   double static_threshold = 1.6;  // t_s [(m/s)^-3], thesis (3.1)
@@ -60,6 +68,7 @@ struct ClassifierOptions {
   double prior_odds = 1.0;      // odds: of static to moving, before any measurement
   double decisive_odds = 20.0;  // odds: posterior ones that decide, either way
   double hidden_speed = 0.8;    // odds: of a static landmark at most (classification.h)
+  std::map<std::string, double> own = own_numbers();
 };
 
 // Whether labels may be reverted, label_policy.h, and those of the first frame, first_frame.h.

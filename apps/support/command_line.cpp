@@ -26,8 +26,8 @@ std::string quoted(const std::string& word) {
 
 }  // namespace
 
-void remember_command_line(int argc, const char* const* argv) {
-  remembered = "slammot";
+void remember_command_line(const std::string& program, int argc, const char* const* argv) {
+  remembered = program;
   for (int i = 1; i < argc; ++i) {
     remembered += ' ';
     remembered += quoted(argv[i]);

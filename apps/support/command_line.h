@@ -5,7 +5,7 @@
 
 namespace slammot {
 
-void remember_command_line(int argc, const char* const* argv);
+void remember_command_line(const std::string& program, int argc, const char* const* argv);
 const std::string& command_line();
 
 }  // namespace slammot

@@ -3,6 +3,7 @@
 #include "datasets/native/native_reader.h"
 #include "datasets/readers/author_reader.h"
 #include "datasets/readers/image_reader.h"
+#include "models/find_row.h"
 
 namespace slammot {
 namespace {
@@ -13,9 +14,16 @@ constexpr ReaderRow kReaders[] = {
      read_author},
 };
 
+std::vector<ReaderRow>& table() {
+  static std::vector<ReaderRow> rows(std::begin(kReaders), std::end(kReaders));
+  return rows;
+}
+
 }  // namespace
 
-std::span<const ReaderRow> reader_table() { return kReaders; }
+std::span<const ReaderRow> reader_table() { return table(); }
+
+void add_readers(std::span<const ReaderRow> rows) { add_rows(table(), rows, "reader"); }
 
 Sequence read_sequence(const std::filesystem::path& folder) {
   if (!std::filesystem::is_directory(folder)) throw InputError(folder, 0, "no such folder");

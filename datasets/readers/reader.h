@@ -16,6 +16,9 @@ struct ReaderRow {
 };
 std::span<const ReaderRow> reader_table();
 
+// Asked after those that are there; throws std::invalid_argument for a name that is taken.
+void add_readers(std::span<const ReaderRow> rows);
+
 // Throws InputError if no reader recognises the folder, or the one that does refuses it.
 Sequence read_sequence(const std::filesystem::path& folder);
 

@@ -14,21 +14,6 @@
 namespace slammot {
 namespace {
 
-// A scenario is its options, their parameters(options) and a function of options and seed.
-template <typename Options, Sequence (*Run)(const Options&, std::uint64_t)>
-constexpr ScenarioRow scenario_row(std::string_view name, std::string_view description) {
-  return {name, description,
-          [](std::string_view scenario, const ScenarioOverrides& overrides, std::uint64_t seed) {
-            Options options;
-            apply(overrides, scenario, parameters(options));
-            return Run(options, seed);
-          },
-          [] {
-            Options options;
-            return describe(parameters(options));
-          }};
-}
-
 constexpr ScenarioRow kScenarios[] = {
     scenario_row<CircleOptions, simulate_circle>(
         "circle", "one loop and a third at a speed that is never constant (thesis 4.1a)"),
@@ -46,9 +31,16 @@ constexpr ScenarioRow kScenarios[] = {
         "model_matched", "everything drawn from the models themselves, to calibrate consistency"),
 };
 
+std::vector<ScenarioRow>& table() {
+  static std::vector<ScenarioRow> rows(std::begin(kScenarios), std::end(kScenarios));
+  return rows;
+}
+
 }  // namespace
 
-std::span<const ScenarioRow> scenario_table() { return kScenarios; }
+std::span<const ScenarioRow> scenario_table() { return table(); }
+
+void add_scenarios(std::span<const ScenarioRow> rows) { add_rows(table(), rows, "scenario"); }
 
 Sequence simulate(std::string_view scenario, const ScenarioOverrides& overrides,
                   std::uint64_t seed) {

@@ -23,6 +23,24 @@ struct ScenarioRow {
 };
 std::span<const ScenarioRow> scenario_table();
 
+// A scenario is its options, their parameters(options) and a function of options and seed.
+template <typename Options, Sequence (*Run)(const Options&, std::uint64_t)>
+constexpr ScenarioRow scenario_row(std::string_view name, std::string_view description) {
+  return {name, description,
+          [](std::string_view scenario, const ScenarioOverrides& overrides, std::uint64_t seed) {
+            Options options;
+            apply(overrides, scenario, parameters(options));
+            return Run(options, seed);
+          },
+          [] {
+            Options options;
+            return describe(parameters(options));
+          }};
+}
+
+// Throws std::invalid_argument for a name that is taken.
+void add_scenarios(std::span<const ScenarioRow> rows);
+
 // Throws std::invalid_argument for an unknown scenario or key, or a value that is not allowed. The
 // truth carries the exact velocities.
 Sequence simulate(std::string_view scenario, const ScenarioOverrides& overrides,

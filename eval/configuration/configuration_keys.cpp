@@ -23,6 +23,7 @@ constexpr Range kPositive{[](double x) { return x > 0.0; }, "greater than 0"};
 constexpr Range kNotNegative{[](double x) { return x >= 0.0; }, "at least 0"};
 constexpr Range kAboveOne{[](double x) { return x > 1.0; }, "greater than 1"};
 constexpr Range kFromMinusOne{[](double x) { return x >= -1.0; }, "at least -1"};
+constexpr Range kFinite{[](double) { return true; }, "a finite number"};
 constexpr Range kUpToOne{[](double x) { return x > 0.0 && x <= 1.0; }, "above 0 and at most 1"};
 constexpr Range kInsideUnit{[](double x) { return x > 0.0 && x < 1.0; }, "between 0 and 1"};
 
@@ -287,6 +288,16 @@ ConfigurationKey python_key() {
           [](const Configuration& c) { return c.python_options; }};
 }
 
+// Those of rows from a user's own program.
+std::vector<ConfigurationKey> own_keys() {
+  std::vector<ConfigurationKey> keys;
+  for (const auto& [name, value] : own_numbers()) {
+    const auto field = [key = name](auto& c) -> auto& { return c.model.classifier.own.at(key); };
+    keys.push_back(number(name, "a number of this program's own", kFinite, field));
+  }
+  return keys;
+}
+
 #undef SLAMMOT_FIELD
 
 }  // namespace
@@ -297,6 +308,7 @@ const std::vector<ConfigurationKey>& configuration_keys() {
     append(all, statement_keys());
     append(all, estimator_keys());
     all.push_back(python_key());
+    append(all, own_keys());
     return all;
   }();
   return keys;

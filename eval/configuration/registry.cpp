@@ -49,8 +49,8 @@ void delayed(Configuration& c) { c.ekf.delayed = true; }
 
 using enum EstimatorKind;
 
-const std::vector<EstimatorRow>& table() {
-  static const std::vector<EstimatorRow> rows = {
+std::vector<EstimatorRow>& table() {
+  static std::vector<EstimatorRow> rows = {
       {"ekf", "extended Kalman filter, undelayed (the thesis)", kFilter, false, as_stated, ekf},
       {"window", "sliding-window smoother with marginalisation", kSmoother, false, as_stated,
        window},
@@ -103,6 +103,8 @@ std::string_view to_string(EstimatorKind kind) {
 }
 
 std::span<const EstimatorRow> estimator_table() { return table(); }
+
+void add_estimators(std::span<const EstimatorRow> rows) { add_rows(table(), rows, "estimator"); }
 
 const EstimatorRow& find_estimator(const std::string& name) {
   if (name == "bound") {

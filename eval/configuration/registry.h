@@ -31,6 +31,9 @@ struct EstimatorRow {
 
 std::span<const EstimatorRow> estimator_table();
 
+// Before anything is looked up; throws std::invalid_argument for a name that is taken.
+void add_estimators(std::span<const EstimatorRow> rows);
+
 // Throws std::invalid_argument naming the known ones, or saying what is wrong with a script. What
 // a script says of itself is asked once.
 const EstimatorRow& find_estimator(const std::string& name);

@@ -68,6 +68,9 @@ inline constexpr char kPositionRmse[] = "position_rmse_m";
 // The metrics of this program.
 const MetricTable& metric_table();
 
+// For all that follows; throws std::invalid_argument for a key that is taken.
+void add_metrics(const MetricTable& more);
+
 // The same and more, for a caller that brings its own.
 MetricTable metric_table_with(const MetricTable& more);
 

@@ -288,11 +288,23 @@ MetricTable all_rows() {
   return table;
 }
 
+MetricTable& program_table() {
+  static MetricTable table = all_rows();
+  return table;
+}
+
 }  // namespace
 
-const MetricTable& metric_table() {
-  static const MetricTable table = all_rows();
-  return table;
+const MetricTable& metric_table() { return program_table(); }
+
+void add_metrics(const MetricTable& more) {
+  for (const Metric& added : more) {
+    for (const Metric& metric : metric_table()) {
+      if (metric.key != added.key) continue;
+      throw std::invalid_argument("there is a metric '" + added.key + "' already");
+    }
+    program_table().push_back(added);
+  }
 }
 
 MetricTable metric_table_with(const MetricTable& more) {

@@ -24,8 +24,10 @@ std::string python_interpreter() {
 std::filesystem::path python_package_folder() {
   std::error_code ignored;
   const Path program = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const Path& folder :
-       {program / "python", program / ".." / SLAMMOT_PYTHON_DIR, Path(SLAMMOT_SOURCE_PYTHON)}) {
+  // $SLAMMOT_SHARE is PREFIX/share/slammot.
+  const Path prefix = Path(variable("SLAMMOT_SHARE")) / ".." / "..";
+  for (const Path& folder : {program / "python", program / ".." / SLAMMOT_PYTHON_DIR,
+                             prefix / SLAMMOT_PYTHON_DIR, Path(SLAMMOT_SOURCE_PYTHON)}) {
     if (std::filesystem::exists(folder / "slammot" / "worker.py", ignored)) return folder;
   }
   return {};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "models/find_row.h"
 #include "models/landmarks/all_models.h"
@@ -38,17 +39,36 @@ constexpr auto landmark_rows(const std::tuple<P...>*) {
   return table;
 }
 
-constexpr auto kTable = landmark_rows(static_cast<const PointParametrisations*>(nullptr));
+std::vector<LandmarkFunctions>& table() {
+  constexpr auto kTable = landmark_rows(static_cast<const PointParametrisations*>(nullptr));
+  static std::vector<LandmarkFunctions> rows(kTable.begin(), kTable.end());
+  return rows;
+}
+
+// The rows of one parametrisation stand together.
+auto has_point(std::string_view name) {
+  return [name](const LandmarkFunctions& row) { return row.point.name == name; };
+}
 
 }  // namespace
 
-std::span<const LandmarkFunctions> landmark_table() { return kTable; }
+std::span<const LandmarkFunctions> landmark_table() { return table(); }
 
 std::span<const LandmarkFunctions> landmark_table(const PointFunctions& point) {
-  constexpr std::size_t kModels = kRows<InverseDepth>.size();
-  const auto first =
-      std::ranges::find(kTable, point.name, [](const auto& l) { return l.point.name; });
-  return {first, kModels};
+  const auto first = std::ranges::find_if(table(), has_point(point.name));
+  return {first, std::find_if_not(first, table().end(), has_point(point.name))};
+}
+
+void add_landmarks(std::span<const LandmarkFunctions> rows) {
+  for (const LandmarkFunctions& added : rows) {
+    const auto of_point = landmark_table(find_point(std::string(added.point.name)));
+    if (std::ranges::find(of_point, added.name, &LandmarkFunctions::name) != of_point.end()) {
+      throw std::invalid_argument("there is a landmark model '" + std::string(added.name) +
+                                  "' already");
+    }
+    const auto last = of_point.data() + of_point.size() - table().data();
+    table().insert(table().begin() + last, added);
+  }
 }
 
 const LandmarkFunctions& find_landmark(const std::string& name, const std::string& point) {

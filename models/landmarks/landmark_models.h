@@ -64,6 +64,11 @@ std::span<const LandmarkFunctions> landmark_table();
 // All models with one parametrisation.
 std::span<const LandmarkFunctions> landmark_table(const PointFunctions& point);
 
+// A model of a user's own program: a row for each parametrisation, as landmark_rows() of
+// extra_model.h makes them. Before anything is looked up; throws std::invalid_argument for a name
+// that is taken.
+void add_landmarks(std::span<const LandmarkFunctions> rows);
+
 // By the names of model and parametrisation; throws std::invalid_argument for an unknown one.
 const LandmarkFunctions& find_landmark(const std::string& name, const std::string& point);
 

@@ -1,4 +1,5 @@
-# Installs BUILD_DIR into a fresh prefix, then configures, builds and runs the consumer against it.
+# Installs BUILD_DIR into a fresh prefix, then configures and builds other people's projects against
+# it: the consumer, which is run, and EXTENSION, which tests/extending/test_extension.py runs.
 set(work ${BUILD_DIR}/consumer)
 file(REMOVE_RECURSE ${work})
 
@@ -6,17 +7,27 @@ function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
+function(build name source)
+  run(${CMAKE_COMMAND} -S ${source} -B ${work}/${name} -G ${GENERATOR}
+      -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX_COMPILER}
+      -DCMAKE_PREFIX_PATH=${work}/prefix ${ARGN})
+  run(${CMAKE_COMMAND} --build ${work}/${name})
+endfunction()
+
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${work}/prefix)
-run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${work}/build -G ${GENERATOR}
-    -DCMAKE_BUILD_TYPE=${BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CXX_COMPILER}
-    -DCMAKE_PREFIX_PATH=${work}/prefix)
-run(${CMAKE_COMMAND} --build ${work}/build)
+set(without "")
+foreach(package OpenCV Ceres yaml-cpp fmt TBB nlohmann_json CLI11)
+  list(APPEND without -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
+build(build ${CMAKE_CURRENT_LIST_DIR} ${without})
+build(extension ${EXTENSION})
 
 execute_process(COMMAND ${work}/build/consumer OUTPUT_VARIABLE said COMMAND_ERROR_IS_FATAL ANY)
 if(NOT said STREQUAL "pixel 358.0 162.5\n")
   message(FATAL_ERROR "the consumer said '${said}'")
 endif()
-foreach(file bin/slammot share/slammot/report/compare_report.py)
+foreach(file bin/slammot share/slammot/report/compare_report.py share/man/man1/slammot.1
+        share/bash-completion/completions/slammot ${PYTHON_DIR}/slammot/worker.py)
   if(NOT EXISTS ${work}/prefix/${file})
     message(FATAL_ERROR "not installed: ${file}")
   endif()

@@ -1,30 +1,11 @@
-// A classifier, as docs/extending.md adds one: what stands between the `example` and `end` lines is
-// quoted there, and that it compiles is half the test.
+// A classifier, as examples/extension/ adds one; its code stands there.
 #include <gtest/gtest.h>
 
 #include "estimation/classification.h"
+#include "examples/extension/speed_classifier.h"
 
 namespace slammot {
 namespace {
-
-// [example: classifier]
-// Static below a speed, moving above it, once two standard deviations say which.
-class SpeedClassifier final : public Classifier {
- public:
-  explicit SpeedClassifier(double speed) : speed_(speed) {}
-
-  Label decide(const MotionBelief& belief, ClassifierMemory& /*memory*/) const override {
-    const double w_per_v = std::cbrt(belief.density_scale);  // w = v, or w = rho v
-    const double speed = belief.velocity_part().norm() / w_per_v;
-    const double margin = 2.0 * std::sqrt(belief.velocity_covariance().trace()) / w_per_v;
-    if (speed + margin < speed_) return Label::kStatic;
-    return speed - margin > speed_ ? Label::kMoving : Label::kUnknown;
-  }
-
- private:
-  double speed_;  // [m/s]
-};
-// [end]
 
 // [example: classifier with a memory]
 // Static only after another classifier has said so in some frames running.

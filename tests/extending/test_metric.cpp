@@ -1,5 +1,4 @@
-// A metric, as docs/extending.md adds one: what stands between the `example` and `end` lines is
-// quoted there. Nothing but the row is given to the program, and everything shows it.
+// A metric, as examples/extension/ adds one; its code stands there.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -10,35 +9,11 @@
 #include "eval/run/process.h"
 #include "eval/study/study_driver.h"
 #include "eval/study/study_summary.h"
+#include "examples/extension/path_ratio.h"
 #include "tests/temporary_folder.h"
 
 namespace slammot {
 namespace {
-
-// [example: metric]
-// Length of the estimated path over that of the true one. Noise lengthens a path, a scale that
-// drifts down shortens it.
-double path_ratio(const FinishedRun& finished) {
-  double estimated = 0.0, truth = 0.0;
-  const std::vector<PosePair> pairs = pair_with_truth(finished.sequence, finished.estimates);
-  for (size_t i = 1; i < pairs.size(); ++i) {
-    const CameraState &before = pairs[i - 1].estimate.state, &after = pairs[i].estimate.state;
-    estimated += (after.position - before.position).norm();
-    truth += (pairs[i].truth.position - pairs[i - 1].truth.position).norm();
-  }
-  return truth > 0.0 ? estimated / truth : kUndefined;
-}
-
-const Metric kPathRatio{.key = "path_ratio",
-                        .unit = "",
-                        .name = "path ratio",
-                        .caption = "estimated over true length of the path",
-                        .value = path_ratio,
-                        .scope = Scope::kTrajectory,
-                        .decimals = 4,
-                        .better = Better::kNeither,
-                        .shown = Shown::kTerminal};
-// [end]
 
 const char* const kStudy =
     "format: slammot-study-1\nname: path\nruns: 2\n"
