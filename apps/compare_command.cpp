@@ -137,7 +137,8 @@ void add_compare(CLI::App& app, int& exit_code) {
                                        "folder with the sequence; without it one is simulated");
   command->add_option("--output", arguments->output, "folder for the runs and the report")
       ->type_name("DIR");
-  command->add_option("--estimator", arguments->estimators, "may be repeated")
+  command
+      ->add_option("--estimator", arguments->estimators, "or python:FILE.py:Class; may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false)
       ->capture_default_str();

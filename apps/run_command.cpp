@@ -64,7 +64,9 @@ void add_run(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "run one estimator on a sequence");
   command->add_option("SEQUENCE", arguments->sequence, "folder with the sequence")->required();
-  command->add_option("--estimator", arguments->estimator, "see `slammot list estimators`")
+  command
+      ->add_option("--estimator", arguments->estimator,
+                   "see `slammot list estimators`; or python:FILE.py:Class")
       ->type_name("NAME")
       ->required();
   command->add_option("--output", arguments->output, "folder for the run")->type_name("DIR");

@@ -4,6 +4,8 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "datasets/sequence/sha256.h"
+#include "datasets/text/text_table.h"
 #include "eval/python/python_estimator.h"
 #include "filters/ekf.h"
 #include "models/find_row.h"
@@ -118,6 +120,14 @@ const EstimatorRow& find_estimator(const std::string& name) {
 std::string estimator_label(const std::string& name) {
   const auto python = python_class(name);
   return python ? python->name : name;
+}
+
+std::string estimator_sha256(const std::string& name) {
+  const auto python = python_class(name);
+  if (!python) return "";
+  Sha256 hash;
+  hash.add(read_text_file(python->file));
+  return hash.hex();
 }
 
 bool is_oracle(const EstimatorRow& row, Configuration configuration) {

@@ -41,6 +41,9 @@ const EstimatorRow& find_estimator(const std::string& name);
 // The name in labels and names of folders: of a Python estimator its class.
 std::string estimator_label(const std::string& name);
 
+// SHA-256 of a Python estimator's file, which a result depends on; empty for the others.
+std::string estimator_sha256(const std::string& name);
+
 // Whether it is given part of the ground truth: labels, or the point of linearisation.
 bool is_oracle(const EstimatorRow& row, Configuration configuration);
 

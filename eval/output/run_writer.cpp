@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "eval/configuration/registry.h"
 #include "eval/output/metrics_json.h"
 #include "eval/output/run_files.h"
 
@@ -125,6 +126,9 @@ void write_description(const Path& file, const RunDescription& d) {
   yaml << YAML::Key << "version" << YAML::Value << SLAMMOT_VERSION;
   yaml << YAML::Key << "command" << YAML::Value << d.command;
   yaml << YAML::Key << "estimator" << YAML::Value << d.estimator;
+  if (const std::string sha256 = estimator_sha256(d.estimator); !sha256.empty()) {
+    yaml << YAML::Key << "estimator_sha256" << YAML::Value << sha256;
+  }
   yaml << YAML::Key << "sequence" << YAML::Value << YAML::BeginMap;
   yaml << YAML::Key << "name" << YAML::Value << d.sequence_name;
   yaml << YAML::Key << "path" << YAML::Value << sequence.lexically_normal().string();

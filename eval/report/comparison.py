@@ -125,8 +125,8 @@ def read_final_landmarks(path):
 
 
 def named(entries):
-    """`estimator · landmark model`, or the label where that does not tell the runs apart."""
-    names = [f"{e['estimator']} · {e['landmark']}" for e in entries]
+    """`estimator · landmark model`, or the label where that does not tell the runs apart; of one without models its label."""
+    names = [e["label"] if e["landmark"] == "-" else f"{e['estimator']} · {e['landmark']}" for e in entries]
     return names if len(set(names)) == len(names) else [e["label"] for e in entries]
 
 

@@ -249,10 +249,24 @@ void check_figures(const std::filesystem::path& file, const Study& study) {
   }
 }
 
+// A study is its file and its scripts: with one that has changed, a folder holds another study.
+void state_scripts(Study& study) {
+  std::set<std::string> stated;
+  for (const StudyCell& cell : study.cells) {
+    const std::string sha256 = estimator_sha256(cell.estimator);
+    if (sha256.empty() || !stated.insert(cell.estimator).second) continue;
+    const std::string line = fmt::format("# {} sha256 {}\n", cell.estimator, sha256);
+    if (study.text.find(line) != std::string::npos) continue;  // the study.yaml of a folder
+    if (!study.text.ends_with('\n')) study.text += '\n';
+    study.text += line;
+  }
+}
+
 }  // namespace
 
 Study read_study(const std::filesystem::path& file) {
   Study study = Reader(file).read();
+  state_scripts(study);
   check_figures(file, study);
   try_scenarios(file, study);
   return study;
