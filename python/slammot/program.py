@@ -25,10 +25,12 @@ def program():
     return found
 
 
-def slammot(*words, failed=(0,)):
-    """Runs the program and returns what it printed. Raises RuntimeError with its one line of reason."""
+def slammot(*words, diverged=False):
+    """Runs the program and returns what it printed. Raises RuntimeError with its one line of reason; not for a run that
+    diverged, where `diverged` may be."""
     done = subprocess.run([program(), *map(str, words)], capture_output=True, text=True, check=False)
-    if done.returncode not in failed:
+    kept = diverged and done.returncode == 1 and "slammot: diverged at frame" in done.stderr
+    if done.returncode != 0 and not kept:
         raise RuntimeError(done.stderr.strip() or f"slammot: exit {done.returncode}")
     return done.stdout
 
@@ -48,5 +50,5 @@ def simulate(scenario, seed=1, output=None, **settings):
 def run(sequence, estimator, output, **settings):
     """Runs an estimator of the program, or `python:FILE.py:Class`, on a sequence's folder, and returns the Run. Keys with
     dots are given as **{"window.frames": 5}. A run that diverged is returned as far as it went."""
-    slammot("run", sequence, "--estimator", estimator, *_settings("--set", settings), "--output", output, failed=(0, 1))
+    slammot("run", sequence, "--estimator", estimator, *_settings("--set", settings), "--output", output, diverged=True)
     return read_run(output)

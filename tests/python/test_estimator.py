@@ -188,6 +188,13 @@ class Mine(slammot.Estimator):
                 self.assertRegex(done.stderr, rf"^slammot: diverged at frame 1: .*{reason}.*\n$")
                 self.assertEqual(len(slammot.read_run(self.folder / "run").trajectory), 1)
 
+    def test_a_run_that_diverged_is_returned_and_one_that_never_began_is_not(self):
+        out = self.folder / "run"
+        run = slammot.run(self.sequence.folder, f"python:{self.script('raise slammot.Diverged')}:Mine", out)
+        self.assertEqual((len(run.trajectory), run.metrics["diverged"]), (1, True))
+        with self.assertRaisesRegex(RuntimeError, "^slammot: .*no class Nobody"):
+            slammot.run(self.sequence.folder, f"python:{self.script()}:Nobody", out)
+
     def test_a_script_that_cannot_begin_is_refused_in_one_line(self):
         for name, text, reason in (("Mine", SCRIPT + "\n)", r"mine\.py:\d+: unmatched '\)'"),
                                    ("Nobody", SCRIPT, "has no class Nobody"),
