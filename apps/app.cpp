@@ -5,9 +5,9 @@
 #include <exception>
 #include <stdexcept>
 
-#include <slammot_commit.h>
 #include "apps/commands.h"
 #include "apps/support/command_line.h"
+#include "apps/support/commit.h"
 #include "apps/support/progress.h"
 #include "apps/support/usage.h"
 #include "datasets/sequence/sequence.h"
@@ -79,7 +79,7 @@ int run(int argc, char** argv, const Extras& extras, const char* share) {
   choose_blas_kernels(argv);
   prepare_process();
   if (*share != '\0') setenv("SLAMMOT_SHARE", share, 0);
-  state_commit(kCommit, kModified);
+  state_own_commit();
   remember_command_line(extras.program, argc, argv);
   try {
     add(extras);
