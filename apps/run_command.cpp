@@ -49,6 +49,9 @@ int execute(const RunArguments& arguments) {
   fmt::print("{}{}\n",
              metrics_table({{output, arguments.estimator, effective.model.landmark, metrics}}),
              output);
+  for (const RunWarning& w : run.warnings) {
+    fmt::print(stderr, "slammot: warning: from frame {}: {}\n", w.frame, w.reason);
+  }
   if (!run.diverged) return 0;
   fmt::print(stderr, "slammot: diverged at frame {}: {}\n", run.diverged->frame,
              run.diverged->reason);

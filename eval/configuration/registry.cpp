@@ -37,7 +37,7 @@ void true_labels(Configuration& c) {
 // Cramer-Rao bound: docs/consistency-background.md says what it is.
 void ideal_covariance(Configuration& c) {
   true_labels(c);
-  c.model.gate_probability = 1.0;
+  c.model.gate = {1.0, 1.0};
   c.ekf.linearisation = FilterLinearisation::kIdeal;
   c.model.depth_prior = DepthPriorSource::kFixed;
   c.prior.mean_sigma = 0.0;

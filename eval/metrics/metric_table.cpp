@@ -185,7 +185,38 @@ MetricTable nis_rows() {
                  Pooled::kNot),
           mean,
           row("nis_expected", "expected_mean", "expected NIS",
-              "mean NIS of a consistent estimator, whose gate cuts off the tail", &N::expected)};
+              "mean NIS of a consistent estimator, whose gate cuts off the tail", &N::expected),
+          on_terminal(row("nis_joint", "joint_mean", "joint NIS",
+                          "NIS of all accepted of a frame together, over their number; 2 is right",
+                          &N::joint_mean))};
+}
+
+// What later measurements buy: the pose of so many frames ago, as it is believed now.
+MetricTable lag_rows() {
+  MetricTable rows;
+  for (const int lag : kLags) {
+    const auto row = [&](const char* leaf, const std::string& caption, auto value) {
+      const auto of_lag = [=](const FinishedRun& f) {
+        const auto found = f.metrics.lagged.find(lag);
+        return found == f.metrics.lagged.end() ? kUndefined : value(found->second);
+      };
+      const std::string frames =
+          lag == 1 ? " one frame later" : " " + std::to_string(lag) + " frames later";
+      Metric metric = detail("lag." + std::to_string(lag), leaf, caption + frames, of_lag);
+      metric.pooled = Pooled::kMean;
+      rows.push_back(metric);
+    };
+    row("position_rmse_m", "RMSE of the position [m]", [](const TrajectoryMetrics& t) {
+      return t.accuracy.value ? t.accuracy.value->position_rmse : kUndefined;
+    });
+    row("rotation_rmse_deg", "RMSE of the rotation [deg]", [](const TrajectoryMetrics& t) {
+      return t.accuracy.value ? t.accuracy.value->rotation_rmse_deg : kUndefined;
+    });
+    row("nees_pose", "mean pose NEES", [](const TrajectoryMetrics& t) {
+      return t.consistency.value ? t.consistency.value->pose.mean : kUndefined;
+    });
+  }
+  return rows;
 }
 
 MetricTable class_rows(const std::string& truth, ClassCounts ClassificationMetrics::*counts) {
@@ -284,6 +315,7 @@ MetricTable all_rows() {
   append(table, class_rows("moving", &ClassificationMetrics::movings));
   append(table, classification_rows());
   append(table, nis_rows());
+  append(table, lag_rows());
   append(table, runtime_rows());
   return table;
 }

@@ -82,12 +82,19 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
                            const MetricTable& table) {
   RunMetrics metrics;
   metrics.diverged = run.diverged;
+  metrics.warnings = run.warnings;
   metrics.filtered = trajectory_metrics(sequence, run.filtered);
   if (!run.smoothed.empty()) metrics.smoothed = trajectory_metrics(sequence, run.smoothed);
+  for (const auto& [lag, poses] : run.lagged) {
+    metrics.lagged[lag] = trajectory_metrics(sequence, poses);
+  }
   judge_landmarks(sequence, run, metrics);
   metrics.classification = classification_metrics(run.classification);
-  metrics.nis.mean =
-      run.totals.accepted == 0 ? kUndefined : run.totals.nis_sum / run.totals.accepted;
+  const auto per_accepted = [&](double sum) {
+    return run.totals.accepted == 0 ? kUndefined : sum / run.totals.accepted;
+  };
+  metrics.nis.mean = per_accepted(run.totals.nis_sum);
+  metrics.nis.joint_mean = per_accepted(run.totals.joint_nis);
   metrics.nis.expected = gated_mean(gate_probability, metrics.nis.dof);
   metrics.measurements = measurement_counts(run);
   metrics.runtime = runtime_metrics(run.timing, run.smoothing_ms);

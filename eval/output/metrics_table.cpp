@@ -50,7 +50,8 @@ Cells head(const RunMetrics& run) {
   Cells cells = {"estimator", "landmark model"};
   add_headings(cells, run.filtered.values, run);
   add_headings(cells, run.values, run);
-  for (const char* name : {"static r/w/u", "moving r/w/u", "diverged"}) cells.emplace_back(name);
+  for (const char* name : {"static r/w/u", "moving r/w/u", "warnings", "diverged"})
+    cells.emplace_back(name);
   return cells;
 }
 
@@ -68,6 +69,7 @@ Cells run_row(const NamedMetrics& r) {
   add_numbers(cells, m.values);
   cells.push_back(labels(m.classification.statics));
   cells.push_back(labels(m.classification.movings));
+  cells.push_back(m.warnings.empty() ? "none" : fmt::format("{}", m.warnings.size()));
   cells.push_back(m.diverged ? fmt::format("frame {}", m.diverged->frame) : "no");
   return cells;
 }

@@ -171,7 +171,7 @@ TrackedImages track_images(const Sequence& images, const TrackOptions& options) 
   }
   result.tracks = static_cast<int>(tracks.size());
   result.noise = measure_noise(result.sequence);
-  if (result.noise) result.sequence.pixel_sigma = result.noise->sigma;
+  if (result.noise) result.sequence.pixel_sigma = std::max(kLeastStated, result.noise->sigma);
   return result;
 } catch (const cv::Exception& error) {
   throw std::runtime_error(fmt::format("OpenCV: {}", error.err));

@@ -67,7 +67,7 @@ RunResult run_ideal(const Sequence& sequence, const Misstatement& misstate, doub
   configuration.model.classifier.name = "truth";
   configuration.model.labels.rule = LabelRule::kOneWay;
   configuration.model.depth_prior = DepthPriorSource::kFixed;
-  configuration.model.gate_probability = 1.0;  // rejects nothing, and so selects nothing
+  configuration.model.gate = {1.0, 1.0};  // rejects nothing, and so selects nothing
   configuration.ekf.linearisation = FilterLinearisation::kIdeal;
   Setup setup = make_setup(sequence, configuration);
   misstate(setup, factor);

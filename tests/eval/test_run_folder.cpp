@@ -55,7 +55,7 @@ TEST(RunFolder, ReadsBackToTheSameMetrics) {
   run.smoothing_ms = 1.25;
   const RunMetrics metrics = compute_metrics(sequence, run, 0.9);
   Configuration configuration;
-  configuration.model.gate_probability = 0.9;
+  configuration.model.gate = {0.9, 1.0};
   const test::TemporaryFolder folder;
   write_run(folder.path(), description_of(sequence, configuration), run, metrics);
 
