@@ -14,12 +14,21 @@ constexpr int kFailed = 1;
 constexpr int kBadUsage = 2;
 
 int complain(const char* reason, int exit_code) {
-  std::fprintf(stderr, "slammot: %s\n", reason);
+  std::fprintf(stderr, "slammot: %s\n", slammot::printable(reason).c_str());
   return exit_code;
+}
+
+// Arguments are written into results, which are UTF-8.
+void require_utf8(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    if (slammot::invalid_utf8(argv[i]) == std::string::npos) continue;
+    throw std::invalid_argument(std::string(argv[i]) + ": is not UTF-8");
+  }
 }
 
 int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
   try {
+    require_utf8(argc, argv);
     app.parse(argc, argv);
     return exit_code;
   } catch (const CLI::ParseError& error) {

@@ -3,6 +3,7 @@
 #include "datasets/native/native_reader.h"
 #include "datasets/readers/author_reader.h"
 #include "datasets/readers/image_reader.h"
+#include "datasets/text/text_table.h"
 
 namespace slammot {
 namespace {
@@ -19,6 +20,7 @@ std::span<const ReaderRow> reader_table() { return kReaders; }
 
 Sequence read_sequence(const std::filesystem::path& folder) {
   if (!std::filesystem::is_directory(folder)) throw InputError(folder, 0, "no such folder");
+  require_utf8(folder, std::filesystem::absolute(folder).string());  // results name it
   std::string looked_for;
   for (const ReaderRow& row : reader_table()) {
     if (row.recognises(folder)) return row.read(folder);

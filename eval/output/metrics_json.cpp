@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace slammot {
 namespace {
@@ -100,8 +101,16 @@ Json json_of(const MeasurementCounts& counts) {
 
 MeasurementCounts measurement_counts_of(const Json& json) {
   MeasurementCounts counts;
-  for (const CountField& field : kCounts) counts.*field.count = json.at(field.key).get<int>();
+  for (const CountField& field : kCounts) counts.*field.count = count_of(json.at(field.key));
   return counts;
+}
+
+int count_of(const Json& json) {
+  if (json.is_number_integer()) {
+    const auto value = json.get<std::int64_t>();
+    if (value >= 0 && value <= std::numeric_limits<int>::max()) return static_cast<int>(value);
+  }
+  throw Json::other_error::create(501, "not a count: " + json.dump(), &json);
 }
 
 Json json_of(const std::optional<Divergence>& d) {
@@ -110,7 +119,7 @@ Json json_of(const std::optional<Divergence>& d) {
 
 std::optional<Divergence> divergence_of(const Json& json) {
   if (json.is_null()) return std::nullopt;
-  return Divergence{json.at("frame").get<int>(), json.at("reason").get<std::string>()};
+  return Divergence{count_of(json.at("frame")), json.at("reason").get<std::string>()};
 }
 
 Json json_of(const std::vector<RunWarning>& warnings) {

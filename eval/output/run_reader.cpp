@@ -1,13 +1,12 @@
 #include "eval/output/run_reader.h"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
-#include <fstream>
 #include <functional>
 #include <map>
 
-#include "datasets/text/text_table.h"
+#include "datasets/sequence/plausible.h"
+#include "datasets/text/yaml_map.h"
 #include "eval/output/metrics_json.h"
 #include "eval/output/run_files.h"
 
@@ -56,13 +55,11 @@ std::vector<CameraEstimate> read_trajectory(const Path& file) {
     camera.state.position = vector_at(row, 1);
     const Eigen::Vector3d im = vector_at(row, 4);
     camera.state.orientation = Eigen::Quaterniond(row.real(7), im.x(), im.y(), im.z());
-    const double norm = camera.state.orientation.norm();
-    if (!(std::abs(norm - 1.0) < 1e-2)) row.refuse("the quaternion is not of unit length");
+    row.refuse_if(quaternion_fault(camera.state.orientation));
     camera.state.orientation.normalize();
     camera.covariance.setConstant(kUndefined);
-    if (!cameras.empty() && camera.timestamp <= cameras.back().timestamp) {
-      row.refuse("timestamps do not increase");
-    }
+    row.refuse_if(cameras.empty() ? time_fault(camera.timestamp)
+                                  : order_fault(cameras.back().timestamp, camera.timestamp));
     cameras.push_back(camera);
   }
   if (cameras.empty()) throw InputError(file, 0, "holds no pose");
@@ -138,9 +135,9 @@ std::vector<StageTime> read_timing(const Path& file) {
 
 void read_metrics(const Path& file, RunResult& run) {
   if (!std::filesystem::exists(file)) return;
-  std::ifstream stream(file);
+  const std::string text = read_text_file(file);
   try {
-    restore_totals(nlohmann::ordered_json::parse(stream), run);
+    restore_totals(nlohmann::ordered_json::parse(text), run);
   } catch (const nlohmann::json::exception& error) {
     throw InputError(file, 0, error.what());
   }
@@ -149,11 +146,16 @@ void read_metrics(const Path& file, RunResult& run) {
 void read_description(const Path& file, StoredRun& stored) {
   if (!std::filesystem::exists(file)) return;
   try {
-    const YAML::Node root = YAML::LoadFile(file.string());
-    stored.estimator = root["estimator"].as<std::string>("");
+    const YAML::Node root = load_yaml_node(file, read_text_file(file));
+    if (!root.IsMap()) throw InputError(file, 1, "must be a map of keys to values");
+    stored.estimator = printable(root["estimator"].as<std::string>(""));
     const YAML::Node configuration = root["configuration"];
-    stored.landmark = configuration["landmark"].as<std::string>("");
-    stored.gate_probability = configuration["gate.probability"].as<double>(0.95);
+    stored.landmark = printable(configuration["landmark"].as<std::string>(""));
+    const YAML::Node gate = configuration["gate.probability"];
+    stored.gate_probability = gate.as<double>(0.95);
+    if (!(stored.gate_probability > 0.0 && stored.gate_probability <= 1.0)) {
+      throw InputError(file, gate.Mark().line + 1, "gate.probability is no probability above 0");
+    }
     const double pixel_sigma = configuration["pixel_sigma"].as<double>(0.0);  // or "sequence"
     if (pixel_sigma > 0.0) stored.pixel_sigma = pixel_sigma;
     const std::string sequence = root["sequence"]["path"].as<std::string>("");

@@ -45,8 +45,9 @@ class Reader {
       top.refuse(top.take("format"), "unknown format '" + format + "' (known: slammot-study-1)");
     }
     study.name = top.text("name");
-    if (study.name.find('/') != std::string::npos)
-      top.refuse(top.take("name"), "'name' names a folder and has no '/'");
+    if (const std::string fault = folder_name_fault(study.name); !fault.empty()) {
+      top.refuse(top.take("name"), "'name' " + fault);
+    }
     study.title = top.has("title") ? top.text("title") : study.name;
     if (top.has("runs")) study.runs = top.positive_integer("runs");
     if (top.has("seed")) {
@@ -72,6 +73,9 @@ class Reader {
 
   std::string scalar(const YAML::Node& node, const std::string& what) const {
     if (!node.IsScalar()) refuse(node, fmt::format("'{}' must be one value", what));
+    if (has_control_character(node.Scalar())) {
+      refuse(node, fmt::format("'{}' contains a control character", what));
+    }
     return node.Scalar();
   }
 
@@ -126,9 +130,7 @@ class Reader {
   void read_record(YamlMap& top, Study& study) const {
     if (!top.has("record")) return;
     YamlMap record = top.map("record");
-    for (const double track : record.list("tracks")) {
-      study.tracks.push_back(static_cast<int>(track));
-    }
+    study.tracks = record.counts("tracks");
     record.finish();
   }
 
@@ -148,18 +150,23 @@ class Reader {
     YamlMap map = top.map("reference");
     ReferenceLabels& reference = study.reference.emplace();
     reference.label = map.text("label");
-    const Eigen::Vector3d statics = map.vector<3>("static"), movings = map.vector<3>("moving");
-    for (int i = 0; i < 3; ++i) {
-      reference.statics[static_cast<std::size_t>(i)] = static_cast<int>(statics(i));
-      reference.movings[static_cast<std::size_t>(i)] = static_cast<int>(movings(i));
+    for (const auto& [key, counts] :
+         {std::pair("static", &reference.statics), std::pair("moving", &reference.movings)}) {
+      const std::vector<int> given = map.counts(key);
+      if (given.size() != counts->size()) map.refuse(map.take(key), "must be three numbers");
+      std::ranges::copy(given, counts->begin());
     }
     map.finish();
   }
 
   // All combinations of the swept values, the last key fastest.
-  static std::vector<Settings> combinations(const std::vector<SweptKey>& sweep) {
+  std::vector<Settings> combinations(const std::vector<SweptKey>& sweep) const {
+    constexpr std::size_t kMost = 100000;
     std::vector<Settings> result{{}};
     for (const SweptKey& key : sweep) {
+      if (result.size() > kMost / key.values.size()) {
+        throw InputError(file_, 0, fmt::format("'sweep' has more than {} combinations", kMost));
+      }
       std::vector<Settings> longer;
       for (const Settings& so_far : result) {
         for (const std::string& value : key.values) {
@@ -250,6 +257,13 @@ void check_figures(const std::filesystem::path& file, const Study& study) {
 }
 
 }  // namespace
+
+int Study::tasks() const {
+  constexpr std::int64_t kMost = 100'000'000;
+  const std::int64_t all = static_cast<std::int64_t>(cells.size()) * runs;
+  if (all > kMost) throw std::invalid_argument(fmt::format("{}: {} runs are too many", name, all));
+  return static_cast<int>(all);
+}
 
 Study read_study(const std::filesystem::path& file) {
   Study study = Reader(file).read();

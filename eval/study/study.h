@@ -47,6 +47,8 @@ struct Study {
   std::optional<ReferenceLabels> reference;
   MetricTable metrics = metric_table();  // those pooled over the runs
 
+  // Runs of all cells. Throws std::invalid_argument if they are too many to be counted.
+  int tasks() const;
   std::uint64_t seed(int run) const { return first_seed + static_cast<std::uint64_t>(run); }
 };
 

@@ -15,24 +15,36 @@ namespace {
 // The lines of a file that belong to one cell after another: both files are sorted by cell.
 class CellLines {
  public:
-  explicit CellLines(const std::filesystem::path& file) : in_(file, std::ios::binary) {
+  explicit CellLines(const std::filesystem::path& file) : file_(file), in_(file, std::ios::binary) {
     if (!in_) throw InputError(file, 0, "cannot be read: is the study complete?");
-    advance();
+    try {
+      advance();
+    } catch (const Json::exception&) {
+      refuse();
+    }
   }
 
-  void visit(std::size_t cell, const std::function<void(const Json&)>& visitor) {
+  void visit(std::size_t cell, const std::function<void(const Json&)>& visitor) try {
     for (; !next_.is_null() && next_.at("cell").get<std::size_t>() == cell; advance()) {
       visitor(next_);
     }
+  } catch (const Json::exception&) {
+    refuse();
   }
 
  private:
   void advance() {
     std::string line;
+    ++line_;
     next_ = std::getline(in_, line) ? Json::parse(line) : Json();
   }
+  [[noreturn]] void refuse() const {
+    throw InputError(file_, line_, "is not the line of a finished run");
+  }
 
+  std::filesystem::path file_;
   std::ifstream in_;
+  int line_ = 0;
   Json next_;
 };
 
