@@ -10,6 +10,8 @@
 #include "apps/support/draw_run.h"
 #include "apps/support/progress.h"
 #include "apps/support/sequence_source.h"
+#include "datasets/output/output_files.h"
+#include "datasets/output/output_folder.h"
 #include "datasets/readers/reader.h"
 #include "eval/compare/compare.h"
 #include "eval/configuration/registry.h"
@@ -19,6 +21,9 @@
 namespace slammot {
 namespace {
 
+constexpr char kSequence[] = "sequence";
+constexpr char kPictures[] = "pictures";
+
 struct CompareArguments {
   std::string sequence;
   std::string output;
@@ -27,6 +32,7 @@ struct CompareArguments {
   ScenarioOptions scenario;
   ConfigurationOptions configuration;
   bool pictures = false;
+  bool force = false;
 };
 
 std::filesystem::path output_folder(const CompareArguments& arguments) {
@@ -52,7 +58,7 @@ Sequence obtain(const CompareArguments& arguments, const std::filesystem::path& 
   if (!arguments.sequence.empty()) return read_sequence(arguments.sequence);
   fmt::print("simulating scenario {}, seed {}\n", arguments.scenario.scenario,
              arguments.scenario.seed);
-  return simulate_to(arguments.scenario, output / "sequence");
+  return simulate_to(arguments.scenario, output / kSequence);
 }
 
 // The report takes them from each run's folder.
@@ -60,10 +66,29 @@ void draw_all(const std::vector<NamedMetrics>& results, const Sequence& sequence
               const std::filesystem::path& output, Progress& progress) {
   for (const NamedMetrics& result : results) {
     const auto run = output / result.label;
-    draw_run(run, sequence, run / "pictures", [&](int done, int total) {
+    draw_run(run, sequence, run / kPictures, [&](int done, int total) {
       progress.show("pictures of " + result.label, done, total);
     });
   }
+}
+
+// Everything that will be written into, before anything is. The mark comes first, so that what an
+// interrupted comparison leaves can be replaced.
+void claim(const CompareArguments& arguments, const std::filesystem::path& output,
+           const std::vector<ComparedRun>& runs) {
+  const bool replace = arguments.force || arguments.output.empty();
+  const std::filesystem::path& input = arguments.sequence;
+  require_output(output, kComparisonOutput, replace, input);
+  if (input.empty()) require_output(output / kSequence, kSequenceOutput, replace);
+  for (const ComparedRun& run : runs) {
+    require_output(output / run.label, kRunOutput, replace, input);
+    if (!arguments.pictures) continue;
+    require_output(output / run.label / kPictures, kPicturesOutput, replace, input);
+  }
+  std::filesystem::create_directories(output);
+  const auto mark = output / kComparisonOutput.mark;
+  if (std::filesystem::exists(mark)) return;
+  write_file(mark, std::string(kComparisonOutput.begins) + ",\n \"runs\": []\n}\n");
 }
 
 int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path& output) {
@@ -89,9 +114,8 @@ int execute(CompareArguments arguments) {
   const auto landmarks = landmarks_compared(arguments, set, configuration);
   if (arguments.scenario.scenario.empty()) arguments.scenario.scenario = "circle";
   const std::filesystem::path output = output_folder(arguments);
-  if (std::filesystem::exists(output / "study.yaml")) {
-    throw std::invalid_argument(output.string() + " holds a study: a comparison needs its own");
-  }
+  const auto runs = crossed(arguments.estimators, landmarks);
+  claim(arguments, output, runs);
   const Sequence sequence = selected(obtain(arguments, output), configuration.frames);
   if (arguments.pictures && sequence.images.empty()) {
     throw InputError(sequence.folder, 0, "--pictures: frames.csv names no images");
@@ -107,8 +131,7 @@ int execute(CompareArguments arguments) {
   options.progress = [&](const std::string& label, int done, int total) {
     progress.show(label, done, total);
   };
-  const auto results =
-      compare(sequence, configuration, crossed(arguments.estimators, landmarks), options);
+  const auto results = compare(sequence, configuration, runs, options);
   if (arguments.pictures) draw_all(results, sequence, output, progress);
   progress.clear();
   return finish(results, output);
@@ -144,6 +167,7 @@ void add_compare(CLI::App& app, int& exit_code) {
       ->excludes(sequence);
   command->add_flag("--pictures", arguments->pictures,
                     "of every frame, as PNG and as a film, and in the report; wants images");
+  command->add_flag("--force", arguments->force, kForceHelp);
   add_configuration_options(*command, arguments->configuration);
   command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
 }

@@ -8,6 +8,7 @@
 #include "apps/support/configuration_options.h"
 #include "apps/support/progress.h"
 #include "apps/support/sequence_source.h"
+#include "datasets/output/output_folder.h"
 #include "datasets/readers/reader.h"
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_table.h"
@@ -22,6 +23,7 @@ struct RunArguments {
   std::string estimator;
   std::string output;
   std::string landmarks = "final";
+  bool force = false;
   ConfigurationOptions configuration;
 };
 
@@ -32,6 +34,7 @@ int execute(const RunArguments& arguments) {
   const std::string output = arguments.output.empty()
                                  ? fmt::format("slammot-out/run-{}-{}", sequence.name, row.name)
                                  : arguments.output;
+  require_output(output, kRunOutput, arguments.force || arguments.output.empty(), sequence.folder);
   if (const auto warning = warning_about(sequence, configuration, arguments.estimator)) {
     fmt::print(stderr, "slammot: warning: {}\n", *warning);
   }
@@ -73,6 +76,7 @@ void add_run(CLI::App& app, int& exit_code) {
                    "rows of landmarks.csv: the final state "
                    "of each, or all of every frame")
       ->check(CLI::IsMember({"final", "every-frame"}));
+  command->add_flag("--force", arguments->force, kForceHelp);
   add_configuration_options(*command, arguments->configuration);
   command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
 }

@@ -106,6 +106,7 @@ int draw_run(const Path& folder, const Sequence& sequence, const Path& output,
     film.add(sequence.frames[i].index, painter.paint(estimate, i, run.estimator));
     if (progress) progress(k + 1, total);
   }
+  film.finish();
   return total;
 } catch (const cv::Exception& error) {
   throw std::runtime_error(fmt::format("OpenCV: {}", error.err));

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <set>
 #include <stdexcept>
 
+#include "datasets/output/output_files.h"
+#include "datasets/output/output_folder.h"
 #include "eval/compare/series.h"
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_json.h"
@@ -113,7 +114,7 @@ std::vector<NamedMetrics> compare(const Sequence& sequence, const Configuration&
   for (const ComparedRun& row : runs) {
     results.push_back(compare_one(sequence, configuration, row, options, json["runs"]));
     // Written after every run, so that what was computed is never lost.
-    std::ofstream(options.output / "compare.json") << json.dump(1) << '\n';
+    write_file(options.output / kComparisonOutput.mark, json.dump(1) + '\n');
   }
   return results;
 }

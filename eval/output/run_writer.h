@@ -24,6 +24,7 @@ struct RunDescription {
   Configuration configuration;        // the effective one
 };
 
+// All files or none. Replaces an earlier run: ask require_output() first.
 void write_run(const std::filesystem::path& folder, const RunDescription& description,
                const RunResult& run, const RunMetrics& metrics);
 

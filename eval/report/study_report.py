@@ -10,7 +10,7 @@ import ranking
 import study_figures
 import study_tables
 from comparison import read_json
-from page import rendered, run_report
+from page import rendered, run_report, write_aside
 
 FORMAT = "slammot-summary-2"
 
@@ -28,8 +28,8 @@ def tables_of(summary):
 def write_tables(tables, folder):
     folder.mkdir(parents=True, exist_ok=True)
     for name, table in tables.items():
-        (folder / f"{name}.csv").write_text(table.csv(), encoding="utf-8")
-        (folder / f"{name}.tex").write_text(table.latex(), encoding="utf-8")
+        write_aside(folder / f"{name}.csv", table.csv())
+        write_aside(folder / f"{name}.tex", table.latex())
 
 
 def inline(png):

@@ -65,7 +65,15 @@ def within_landmark_model(rows):
     return sentences
 
 
+def unmeasured(runs):
+    """Whether no run used a single measurement: then no estimator was compared."""
+    counts = [run.metric("coverage", name) for run in runs for name in ("accepted", "landmarks_admitted")]
+    return all(count == 0 for count in counts)
+
+
 def accuracy(comparison, runs):
+    if unmeasured(runs):
+        return [("Accuracy", ["Not judged: no run used any measurement."])]
     rows = ranked(runs, rmse)
     if not rows:
         return [("Accuracy", ["Not known: the sequence has no ground truth."
