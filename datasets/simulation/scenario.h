@@ -23,6 +23,9 @@ struct ScenarioRow {
 };
 std::span<const ScenarioRow> scenario_table();
 
+// With their defaults. Throws std::invalid_argument for an unknown scenario.
+std::vector<ScenarioParameter> scenario_parameters(std::string_view scenario);
+
 // Throws std::invalid_argument for an unknown scenario or key, or a value that is not allowed. The
 // truth carries the exact velocities.
 Sequence simulate(std::string_view scenario, const ScenarioOverrides& overrides,

@@ -1,10 +1,11 @@
 """slammot study, as a user runs it: the same bytes whether interrupted, on one thread or two, in one piece or in shards;
 and its report drawn in headless Chromium without an error.
 
-usage: test_study.py SLAMMOT
+usage: test_study.py SLAMMOT [Study | Page]
 """
 import json
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -21,8 +22,8 @@ format: slammot-study-1
 name: small
 runs: 4
 scenarios:
-  - {scenario: helix, set: {frames: 40}}
-  - {scenario: circle, label: short circle, set: {frames: 25}}
+  - {scenario: helix, set: {frames: 24}}
+  - {scenario: circle, label: short circle, set: {frames: 12}}
 estimators:
   - {estimator: ekf}
   - {estimator: window, label: window 3, set: {window.frames: 3}}
@@ -39,7 +40,7 @@ def slammot(*arguments, code=0):
     return done
 
 
-class Study(unittest.TestCase):
+class WithStudy(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.temporary = tempfile.TemporaryDirectory()
@@ -57,6 +58,8 @@ class Study(unittest.TestCase):
     def same(self, folder):
         self.assertEqual((folder / "results.jsonl").read_bytes(), self.expected)
 
+
+class Study(WithStudy):
     def test_every_run_is_there_once(self):
         runs = [json.loads(line) for line in self.expected.splitlines()]
         self.assertEqual([(r["cell"], r["seed"]) for r in runs], [(c, s) for c in range(8) for s in range(1, 5)])
@@ -75,12 +78,51 @@ class Study(unittest.TestCase):
             time.sleep(0.005)
         process.send_signal(signal.SIGKILL)
         process.wait()
-        before = journal.read_bytes().count(b"\n")
+        before = journal.read_bytes().count(b"\n") - 1  # the first line says what program this is
         self.assertLess(before, 32, "it was over before it could be killed")
         with journal.open("ab") as file:
             file.write(b'{"result": {"cell": 7, "se')  # as a kill in the middle of a write leaves it
         again = slammot("study", self.study, "--resume", "--output", folder)
         self.assertIn(f"{32 - before} runs done", again.stdout)
+        self.same(folder)
+
+    def test_two_processes_compute_no_run_twice(self):
+        folder = self.folder / "two"
+        command = [SLAMMOT, "study", str(self.study), "--jobs", "1", "--resume", "--output", str(folder)]
+        first = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+        journal = folder / "journal-1-of-1.jsonl"
+        while not (journal.exists() and journal.read_bytes().count(b"\n") > 1):
+            time.sleep(0.005)
+        self.assertIn("another process", slammot(*command[1:], code=2).stderr)
+        self.assertIn("another process", slammot("study", self.study, "--shard", "1/2", "--output", folder, code=2).stderr)
+        self.assertEqual(first.wait(), 0)
+        self.assertEqual(journal.read_bytes().count(b"\n"), 1 + 32)
+        self.same(folder)
+
+    def test_runs_of_another_configuration_are_refused(self):
+        mine, other, text = self.folder / "mine", self.folder / "other", self.folder / "of_other.yaml"
+        text.write_text(STUDY.replace("frames: 24", "frames: 39"), encoding="utf-8")
+        slammot("study", self.study, "--shard", "1/2", "--runs", 1, "--output", mine)
+        slammot("study", text, "--shard", "2/2", "--runs", 1, "--output", other)
+        shutil.copy(other / "journal-2-of-2.jsonl", mine)
+        for command in (["--merge"], ["--merge", "--force"], ["--resume"]):
+            said = slammot("study", self.study, "--runs", 1, "--output", mine, *command, code=2).stderr
+            self.assertIn("journal-2-of-2.jsonl:1: these runs are of another configuration", said)
+
+    def test_runs_of_another_build_are_refused(self):
+        folder = self.folder / "rebuilt"
+        slammot("study", self.study, "--runs", 1, "--output", folder)
+        journal = folder / "journal-1-of-1.jsonl"
+        lines = journal.read_text(encoding="utf-8").splitlines(keepends=True)
+        head = json.loads(lines[0])
+        head["journal"]["program"] = "0" * 64
+        journal.write_text("".join([json.dumps(head) + "\n", *lines[1:]]), encoding="utf-8")
+        self.assertIn("another build", slammot("study", self.study, "--resume", "--output", folder, code=2).stderr)
+        self.assertIn("another build", slammot("study", self.study, "--merge", "--output", folder, "--runs", 1, code=2).stderr)
+        more = slammot("study", self.study, "--resume", "--force", "--output", folder)
+        self.assertIn("24 runs done", more.stdout)
+        heads = [line for line in journal.read_text(encoding="utf-8").splitlines() if line.startswith('{"journal"')]
+        self.assertEqual(len(heads), 2)
         self.same(folder)
 
     def test_three_shards_in_folders_of_their_own(self):
@@ -103,7 +145,7 @@ class Study(unittest.TestCase):
     def test_what_is_there_is_not_overwritten(self):
         self.assertIn("--resume", slammot("study", self.study, "--output", self.whole, code=2).stderr)
         other = self.folder / "other.yaml"
-        other.write_text(STUDY.replace("frames: 40", "frames: 41"), encoding="utf-8")
+        other.write_text(STUDY.replace("frames: 24", "frames: 41"), encoding="utf-8")
         self.assertIn("another study", slammot("study", other, "--resume", "--output", self.whole, code=2).stderr)
 
     def test_report_again(self):
@@ -115,7 +157,7 @@ class Study(unittest.TestCase):
     def test_a_bad_study_is_refused_in_one_line(self):
         bad = self.folder / "bad.yaml"
         for text, reason in (("runs: 4", "runs: none"), ("record: {tracks: [1, 2]}", "figures: [camera]"),
-                             ("estimator: ekf", "estimator: kalman"), ("frames: 40", "frame_count: 40"),
+                             ("estimator: ekf", "estimator: kalman"), ("frames: 24", "frame_count: 24"),
                              ("name: small", "nam: small"), ("window.frames: 3", "window.frame: 3"),
                              ("slammot-study-1", "slammot-study-9"), ("scenario: helix", "scenario: helicoid")):
             bad.write_text(STUDY.replace(text, reason, 1), encoding="utf-8")
@@ -124,6 +166,8 @@ class Study(unittest.TestCase):
             self.assertIn("bad.yaml", error)
             self.assertFalse((self.folder / "bad").exists())
 
+
+class Page(WithStudy):
     def opened(self, page):
         """The page's elements as headless Chromium leaves them. Its log does not tell errors from remarks: the page is made to."""
         listener = """<head><script>{
