@@ -265,9 +265,14 @@ int Study::tasks() const {
   return static_cast<int>(all);
 }
 
-Study read_study(const std::filesystem::path& file) {
+Study parse_study(const std::filesystem::path& file) {
   Study study = Reader(file).read();
   check_figures(file, study);
+  return study;
+}
+
+Study read_study(const std::filesystem::path& file) {
+  Study study = parse_study(file);
   try_scenarios(file, study);
   return study;
 }

@@ -52,7 +52,11 @@ struct Study {
   std::uint64_t seed(int run) const { return first_seed + static_cast<std::uint64_t>(run); }
 };
 
-// Throws InputError: everything is checked here, before the first run.
+// The file alone. Throws InputError.
+Study parse_study(const std::filesystem::path& file);
+
+// Throws InputError: everything is checked here, the scenarios by simulating each, before the first
+// run.
 Study read_study(const std::filesystem::path& file);
 
 }  // namespace slammot
