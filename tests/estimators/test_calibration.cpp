@@ -147,6 +147,8 @@ struct Wrong {
   Statistic told_by;
 };
 
+void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.what; }
+
 class Misstated : public testing::TestWithParam<Wrong> {};
 
 TEST_P(Misstated, ByTenPercentIsFound) {
