@@ -9,7 +9,9 @@ constexpr const char* kInexact = "truth is not exact";
 
 bool all_have_covariances(const std::vector<PosePair>& pairs) {
   for (const PosePair& pair : pairs) {
-    if (pair.estimate.covariance.topLeftCorner<6, 6>().hasNaN()) return false;
+    const Matrix12d& P = pair.estimate.covariance;
+    if (P.block<3, 3>(kPosition, kPosition).hasNaN()) return false;
+    if (P.block<3, 3>(kRotation, kRotation).hasNaN()) return false;
   }
   return true;
 }
@@ -84,6 +86,7 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
   metrics.diverged = run.diverged;
   metrics.filtered = trajectory_metrics(sequence, run.filtered);
   if (!run.smoothed.empty()) metrics.smoothed = trajectory_metrics(sequence, run.smoothed);
+  metrics.failed = failed_at(pair_with_truth(sequence, run.filtered), !sequence.exact_truth);
   judge_landmarks(sequence, run, metrics);
   metrics.classification = classification_metrics(run.classification);
   metrics.nis.mean =

@@ -50,6 +50,7 @@ struct MeasurementCounts {
 
 struct RunMetrics {
   std::optional<Divergence> diverged;
+  std::optional<int> failed;  // the first frame that failed, see failed_at()
   TrajectoryMetrics filtered;
   std::optional<TrajectoryMetrics> smoothed;  // of an estimator that smooths
   Known<LandmarkErrors> landmark_errors;

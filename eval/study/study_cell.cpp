@@ -121,8 +121,7 @@ Json CellSummary::json() const {
   }
   if (frames_.empty()) return json;  // no run began
   for (const auto& [key, scalar] : scalars_) {
-    const bool squares = scalar.pooled == Pooled::kRootMeanSquare;
-    json[key] = json_of(bootstrap(scalar.samples, squares ? root_mean_square : mean));
+    json[key] = json_of(pool(scalar.samples, scalar.pooled));
   }
   json["anees"] = frames_.anees();
   json["nees_by_run"] = nees_by_run();

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "eval/metrics/accuracy.h"
+#include "eval/metrics/nees.h"
 #include "eval/statistics/chi_square.h"
 #include "eval/statistics/statistics.h"
 #include "eval/study/study_json.h"
@@ -36,6 +38,31 @@ class Rows {
 };
 
 }  // namespace
+
+Json frames_json(const std::vector<PosePair>& pairs) {
+  Json json;
+  std::vector<int> frame;
+  std::vector<double> position, rotation, nees_pose, nees_position, nees_rotation, position_sigma;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    const PosePair& p = pairs[i];
+    const PoseNees nees = pose_nees(p);
+    frame.push_back(p.frame);
+    position.push_back(position_error(p));
+    rotation.push_back(rotation_error_deg(p));
+    nees_pose.push_back(nees.pose);
+    nees_position.push_back(nees.position);
+    nees_rotation.push_back(nees.rotation);
+    position_sigma.push_back(std::sqrt(p.estimate.covariance.topLeftCorner<3, 3>().trace()));
+  }
+  json["frame"] = frame;
+  json["position_error_m"] = position;
+  json["rotation_error_deg"] = rotation;
+  json["nees_pose"] = nees_pose;
+  json["nees_position"] = nees_position;
+  json["nees_rotation"] = nees_rotation;
+  json["position_sigma_m"] = position_sigma;
+  return json;
+}
 
 void FrameStatistics::add(const Json& frames) {
   const Json& index = frames.at("frame");

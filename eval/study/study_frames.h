@@ -11,9 +11,14 @@
 #include <string>
 #include <vector>
 
+#include "eval/metrics/pose_pairs.h"
 #include "eval/statistics/bootstrap.h"
 
 namespace slammot {
+
+// Per frame: errors, NEES (after the first frame, whose covariance is a pin) and the standard
+// deviations that the estimator states, the roots of the traces.
+nlohmann::ordered_json frames_json(const std::vector<PosePair>& pairs);
 
 class FrameStatistics {
  public:

@@ -9,12 +9,10 @@
 #include "eval/run/run.h"
 #include "eval/statistics/bootstrap.h"
 #include "eval/statistics/statistics.h"
+#include "eval/study/study_frames.h"
 
 namespace slammot {
 namespace {
-
-// Failed: further from the truth than this part of the path so far, and than a metre.
-constexpr double kFailedFraction = 0.1;
 
 Json counts(const ClassCounts& c) { return {c.right, c.wrong, c.undecided}; }
 
@@ -48,43 +46,6 @@ bool depends_on_the_seed(const Metric& m) {
 }
 
 bool depends_on_the_clock(const Metric& m) { return m.pooled == Pooled::kMedianTiming; }
-
-// First frame at which the estimate has failed; null if none.
-Json failed_at(const std::vector<PosePair>& pairs) {
-  double path = 0.0;
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    path += (pairs[i].truth.position - pairs[i - 1].truth.position).norm();
-    if (position_error(pairs[i]) > std::max(1.0, kFailedFraction * path)) return pairs[i].frame;
-  }
-  return nullptr;
-}
-
-// Per frame: errors, NEES (after the first frame, whose covariance is a pin) and the standard
-// deviations that the estimator states, the roots of the traces.
-Json frames_json(const std::vector<PosePair>& pairs) {
-  Json json;
-  std::vector<int> frame;
-  std::vector<double> position, rotation, nees_pose, nees_position, nees_rotation, position_sigma;
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    const PosePair& p = pairs[i];
-    const PoseNees nees = pose_nees(p);
-    frame.push_back(p.frame);
-    position.push_back(position_error(p));
-    rotation.push_back(rotation_error_deg(p));
-    nees_pose.push_back(nees.pose);
-    nees_position.push_back(nees.position);
-    nees_rotation.push_back(nees.rotation);
-    position_sigma.push_back(std::sqrt(p.estimate.covariance.topLeftCorner<3, 3>().trace()));
-  }
-  json["frame"] = frame;
-  json["position_error_m"] = position;
-  json["rotation_error_deg"] = rotation;
-  json["nees_pose"] = nees_pose;
-  json["nees_position"] = nees_position;
-  json["nees_rotation"] = nees_rotation;
-  json["position_sigma_m"] = position_sigma;
-  return json;
-}
 
 // A window does not keep those of the cameras that left it.
 bool has_covariances(const std::vector<PosePair>& pairs) {
@@ -197,7 +158,7 @@ Json result_json(const Study& study, const Sequence& sequence, const RunResult& 
   const std::vector<PosePair> pairs = pair_with_truth(sequence, run.filtered);
   Json json;
   json["diverged"] = json_of(run.diverged);
-  json["lost_at"] = failed_at(pairs);
+  json["lost_at"] = metrics.failed ? Json(*metrics.failed) : Json();
   json["filtered"] = values_json(metrics.filtered.values, depends_on_the_seed);
   json["smoothed"] =
       metrics.smoothed ? values_json(metrics.smoothed->values, depends_on_the_seed) : Json();
