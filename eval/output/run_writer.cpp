@@ -134,6 +134,11 @@ void write_run(const Path& folder, const RunDescription& description, const RunR
                const RunMetrics& metrics) {
   std::filesystem::create_directories(folder);
   write_description(folder / run_files::kDescription, description);
+  write_results(folder, run, metrics);
+}
+
+void write_results(const Path& folder, const RunResult& run, const RunMetrics& metrics) {
+  std::filesystem::create_directories(folder);
   write_trajectory(folder / run_files::kTrajectory, run.filtered, "filtered");
   write_covariances(folder / run_files::kPoseCovariance, run.filtered);
   // A folder may hold an older run, of an estimator that smooths.
