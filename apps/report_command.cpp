@@ -81,8 +81,7 @@ std::string pooled_table(const Json& estimators) {
     rows.push_back({e.at("name").get<std::string>(), e.at("runs").dump(), coverage_of(e),
                     e.at("failed").dump(), e.at("diverged").dump(),
                     with_interval(value_of(e, kPositionRmse), 4),
-                    with_interval(value_of(e, "ate_sim3_m"), 4),
-                    with_interval(anees_of(e, "pose"), 3),
+                    with_interval(value_of(e, kAteSim3), 4), with_interval(anees_of(e, "pose"), 3),
                     with_interval(anees_of(e, "position"), 3), inside_of(e)});
   }
   return aligned(rows, 1) +

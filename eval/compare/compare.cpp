@@ -69,13 +69,31 @@ NamedMetrics compare_one(const Sequence& sequence, const Configuration& base,
 
 }  // namespace
 
+ComparedRun with_settings(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  ComparedRun run{text.substr(0, colon), text.substr(0, colon), {}};
+  for (std::size_t begin = colon; begin != std::string::npos;) {
+    const std::size_t end = text.find(',', begin + 1);
+    const std::size_t length = end == std::string::npos ? end : end - begin - 1;
+    run.overrides.push_back(parse_assignment(text.substr(begin + 1, length)));
+    run.label += "-" + run.overrides.back().key + "=" + run.overrides.back().value;
+    begin = end;
+  }
+  if (run.label.find('/') != std::string::npos) {
+    throw std::invalid_argument("'" + run.label + "' names a folder and has no '/'");
+  }
+  return run;
+}
+
 std::vector<ComparedRun> crossed(const std::vector<std::string>& estimators,
                                  const std::vector<std::string>& landmarks) {
   std::vector<ComparedRun> runs;
   for (const std::string& estimator : estimators) {
     for (const std::string& landmark : landmarks) {
-      runs.push_back(
-          {fmt::format("{}-{}", estimator, landmark), estimator, {{"landmark", landmark, 0}}});
+      ComparedRun run = with_settings(estimator);
+      run.label += "-" + landmark;
+      run.overrides.insert(run.overrides.begin(), {"landmark", landmark, 0});
+      runs.push_back(run);
     }
   }
   return runs;

@@ -48,9 +48,12 @@ struct CompareOptions {
   std::function<void(const std::string& label, int done, int total)> progress;  // may be empty
 };
 
-// Each estimator with each landmark model, labelled `estimator-landmark`.
+// Each estimator with each landmark model, labelled `estimator-landmark`. An estimator may have
+// settings of its own, `NAME:KEY=VALUE,..`, which win.
 std::vector<ComparedRun> crossed(const std::vector<std::string>& estimators,
                                  const std::vector<std::string>& landmarks);
+
+ComparedRun with_settings(const std::string& text);
 
 // Runs all, in order, and writes the output folder.
 std::vector<NamedMetrics> compare(const Sequence& sequence, const Configuration& configuration,

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "eval/pooling/estimate_json.h"
+#include "eval/pooling/frame_statistics.h"
 #include "eval/statistics/statistics.h"
-#include "eval/study/study_frames.h"
-#include "eval/study/study_json.h"
 
 namespace slammot {
 namespace {
@@ -54,7 +54,7 @@ void Pool::add(const std::string& name, const Sequence& sequence, const RunResul
   const std::vector<PosePair> pairs = pair_with_truth(sequence, run.filtered);
   Run added{sequence.sha256, metrics, frames_json(pairs), {}, INFINITY};
   for (const PosePair& pair : pairs) added.timestamps[pair.frame] = pair.estimate.timestamp;
-  key_ = sequence.exact_truth ? kPositionRmse : "ate_sim3_m";
+  key_ = sequence.exact_truth ? kPositionRmse : kAteSim3;
   const double error = value_of(metrics.filtered.values, key_);
   if (!metrics.diverged && !std::isnan(error)) added.error = error;
   runs_[name].push_back(std::move(added));
@@ -82,14 +82,7 @@ Json Pool::estimator_json(const std::string& name, const std::vector<Run>& runs)
       json["per_frame"].erase(std::string("anees_") + part.name);
       continue;
     }
-    std::vector<double> means;
-    for (const RunMetrics* m : metrics) {
-      means.push_back((*m->filtered.consistency.value.*part.summary).mean);
-    }
-    const Estimate interval = bootstrap(means, mean);
     json["anees"][part.name] = anees.at(part.name);
-    json["anees"][part.name]["lower"] = interval.lower;
-    json["anees"][part.name]["upper"] = interval.upper;
   }
   json["per_frame"]["timestamp"] = Json::array();
   std::map<int, double> timestamps;

@@ -76,18 +76,26 @@ Similarity similarity(const std::vector<PosePair>& pairs) {
   return align(estimate, truth, AlignmentGroup::kSim3);
 }
 
-std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool aligned) {
+std::vector<PosePair> aligned(std::vector<PosePair> pairs) {
+  const Similarity alignment = similarity(pairs);
+  for (PosePair& pair : pairs) {
+    pair.estimate.state.position = alignment * pair.estimate.state.position;
+  }
+  return pairs;
+}
+
+std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alignment) {
   constexpr double kFraction = 0.1, kMetre = 1.0;
-  const auto [estimate, truth] = paths_of(pairs);
-  const Similarity alignment = aligned ? similarity(pairs) : Similarity{};
+  const auto [estimate, truth] = paths_of(after_alignment ? aligned(pairs) : pairs);
   std::vector<double> path(truth.size(), 0.0);
   for (std::size_t i = 1; i < truth.size(); ++i) {
     path[i] = path[i - 1] + (truth[i] - truth[i - 1]).norm();
   }
   for (std::size_t i = 1; i < truth.size(); ++i) {
     const double whole = kFraction * path.back();
-    const double allowed = aligned ? whole : std::max(std::min(kMetre, whole), kFraction * path[i]);
-    if ((truth[i] - alignment * estimate[i]).norm() > allowed) return pairs[i].frame;
+    const double allowed =
+        after_alignment ? whole : std::max(std::min(kMetre, whole), kFraction * path[i]);
+    if ((truth[i] - estimate[i]).norm() > allowed) return pairs[i].frame;
   }
   return std::nullopt;
 }

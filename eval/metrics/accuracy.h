@@ -29,12 +29,16 @@ struct Accuracy {
 };
 
 // The first frame of a failed estimate, if there is one: its position error is above a tenth of the
-// path so far, and above a metre or a tenth of the whole path, whichever is less. `aligned`, where
-// the sequence fixes no scale: above a tenth of the whole path after the similarity alignment.
-std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool aligned);
+// path so far, and above a metre or a tenth of the whole path, whichever is less.
+// `after_alignment`, where the sequence fixes no scale: above a tenth of the whole path after the
+// similarity alignment.
+std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alignment);
 
 // The Sim(3) alignment of the estimated positions to the true ones.
 Similarity similarity(const std::vector<PosePair>& pairs);
+
+// The estimates moved by it; their orientations and covariances as they were.
+std::vector<PosePair> aligned(std::vector<PosePair> pairs);
 
 Accuracy accuracy(const std::vector<PosePair>& pairs, double relative_interval = 1.0);
 

@@ -169,7 +169,7 @@ MetricTable accuracy_rows() {
       pooled(on_terminal(row("ate_se3_m", "m", "ATE SE(3)",
                              "RMSE of the position after rigid alignment", &A::ate_se3)),
              Pooled::kMean),
-      pooled(on_terminal(row("ate_sim3_m", "m", "ATE Sim(3)",
+      pooled(on_terminal(row(kAteSim3, "m", "ATE Sim(3)",
                              "RMSE of the position after similarity alignment", &A::ate_sim3)),
              Pooled::kMean),
       pooled(on_terminal(

@@ -14,7 +14,8 @@ int run_study(const Study& study, const StudyOptions& options) {
   std::vector<int> tasks;
   int of_shard = 0;
   for (int task = 0; task < cells * study.runs; ++task) {
-    if (!options.shard.has(task)) continue;
+    const bool run = task / cells < study.runs_of(static_cast<std::size_t>(task % cells));
+    if (!run || !options.shard.has(task)) continue;
     ++of_shard;
     if (finished.count({task % cells, study.seed(task / cells)}) == 0) tasks.push_back(task);
   }

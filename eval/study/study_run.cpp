@@ -6,10 +6,12 @@
 #include <set>
 
 #include "eval/output/metrics_json.h"
+#include "eval/pooling/frame_statistics.h"
 #include "eval/run/run.h"
 #include "eval/statistics/bootstrap.h"
 #include "eval/statistics/statistics.h"
-#include "eval/study/study_frames.h"
+#include "eval/study/study_figures.h"
+#include "eval/study/study_sequence.h"
 
 namespace slammot {
 namespace {
@@ -153,8 +155,29 @@ Json tracks_json(const Study& study, const Sequence& sequence, const RunResult& 
   return json;
 }
 
-Json result_json(const Study& study, const Sequence& sequence, const RunResult& run,
-                 const RunMetrics& metrics) {
+// A measured truth is as it is on a comparison's page: errors after alignment, no NEES.
+Json judged_frames(const Sequence& sequence, const std::vector<PosePair>& pairs) {
+  if (sequence.exact_truth) return frames_json(pairs);
+  Json json = frames_json(aligned(pairs));
+  for (const char* nees : {"nees_pose", "nees_position", "nees_rotation"}) json.erase(nees);
+  return json;
+}
+
+// The pose error and its standard deviation, axis by axis, [dr (W), dtheta (C)].
+Json axes_json(const std::vector<PosePair>& pairs) {
+  Json json = {{"frame", Json::array()}, {"error", Json::array()}, {"sigma", Json::array()}};
+  for (const PosePair& pair : pairs) {
+    const Vector12d error = boxminus(pair.truth, pair.estimate.state);
+    const Vector12d sigma = pair.estimate.covariance.diagonal().cwiseSqrt();
+    json["frame"].push_back(pair.frame);
+    json["error"].push_back(std::vector<double>(error.begin(), error.begin() + 6));
+    json["sigma"].push_back(std::vector<double>(sigma.begin(), sigma.begin() + 6));
+  }
+  return json;
+}
+
+Json result_json(const Study& study, std::uint64_t seed, const Sequence& sequence,
+                 const RunResult& run, const RunMetrics& metrics) {
   const std::vector<PosePair> pairs = pair_with_truth(sequence, run.filtered);
   Json json;
   json["diverged"] = json_of(run.diverged);
@@ -171,13 +194,16 @@ Json result_json(const Study& study, const Sequence& sequence, const RunResult& 
   const std::vector<LandmarkSample> samples = estimated_samples(sequence, run);
   json["standing_by_frame"] = counts_by_frame(samples, Label::kStatic);
   json["moving_by_frame"] = counts_by_frame(samples, Label::kMoving);
-  json["frames"] = frames_json(pairs);
+  json["aligned"] = !sequence.exact_truth;
+  json["frames"] = judged_frames(sequence, pairs);
   add_landmark_nees(samples, "position", &LandmarkSample::position_nees, json["frames"]);
   add_landmark_nees(samples, "velocity", &LandmarkSample::velocity_nees, json["frames"]);
   const std::vector<PosePair> smoothed = pair_with_truth(sequence, run.smoothed);
-  if (has_covariances(smoothed)) json["smoothed_frames"] = frames_json(smoothed);
+  if (has_covariances(smoothed)) json["smoothed_frames"] = judged_frames(sequence, smoothed);
   json["landmarks"] = landmarks_json(samples);
   json["tracks"] = tracks_json(study, sequence, run);
+  const bool first = seed == study.first_seed;
+  if (first && sequence.exact_truth && records_axes(study)) json["axes"] = axes_json(pairs);
   return json;
 }
 
@@ -199,13 +225,13 @@ StudyRun run_study_cell(const Study& study, int cell, int run) {
   made.timing = {{"cell", cell}, {"seed", study.seed(run)}};
   try {
     const Sequence sequence =
-        select_frames(simulate(c.scenario, c.scene, study.seed(run)), c.configuration.frames.first,
+        select_frames(study_sequence(c, study.seed(run)), c.configuration.frames.first,
                       c.configuration.frames.last, c.configuration.frames.step);
     DriveOptions options;
     options.landmarks_every_frame = !study.tracks.empty();
     const EvaluatedRun done =
         run_and_evaluate(sequence, c.configuration, c.estimator, options, study.metrics);
-    made.result.update(result_json(study, sequence, done.run, done.metrics));
+    made.result.update(result_json(study, study.seed(run), sequence, done.run, done.metrics));
     made.timing.update(timing_json(done.metrics));
   } catch (const std::bad_alloc&) {
     throw;  // of this machine, not of the estimator

@@ -157,7 +157,7 @@ void merge_runs(const Study& study, const std::vector<fs::path>& folders, const 
   }
   const int cells = static_cast<int>(study.cells.size());
   for (int cell = 0; cell < cells; ++cell) {
-    for (int run = 0; run < study.runs; ++run) {
+    for (int run = 0; run < study.runs_of(static_cast<std::size_t>(cell)); ++run) {
       if (places.count({cell, study.seed(run)}) > 0) continue;
       const StudyCell& c = study.cells[static_cast<std::size_t>(cell)];
       throw std::invalid_argument(
@@ -168,7 +168,7 @@ void merge_runs(const Study& study, const std::vector<fs::path>& folders, const 
     replace(output / fmt::format("{}.jsonl", part == std::string("result") ? "results" : part),
             [&](std::ostream& out) {
               for (int cell = 0; cell < cells; ++cell) {
-                for (int run = 0; run < study.runs; ++run) {
+                for (int run = 0; run < study.runs_of(static_cast<std::size_t>(cell)); ++run) {
                   out << read_line(places.at({cell, study.seed(run)})).at(part).dump() << '\n';
                 }
               }

@@ -7,6 +7,7 @@
 #include "eval/configuration/registry.h"
 #include "eval/run/run.h"
 #include "eval/statistics/chi_square.h"
+#include "eval/study/study_sequence.h"
 
 namespace slammot {
 namespace {
@@ -37,7 +38,7 @@ Json landmark_json(const LandmarkEstimate& l) {
 }
 
 Json run_json(const Study& study, const StudyCell& cell) {
-  const Sequence sequence = simulate(cell.scenario, cell.scene, study.first_seed);
+  const Sequence sequence = study_sequence(cell, study.first_seed);
   DriveOptions options;
   options.landmarks_every_frame = true;
   const RunResult run = run_estimator(sequence, cell.configuration, cell.estimator, options);
