@@ -179,9 +179,14 @@ def in_frame_of_truth(series):
     return series
 
 
+def with_settings(entry):
+    settings = {key: value for key, value in entry.get("overrides", {}).items() if key != "landmark"}
+    return ", ".join([entry["estimator"], *(f"{key} = {value}" for key, value in settings.items())])
+
+
 def named(entries):
     """`estimator · landmark model`, or the label where that does not tell the runs apart."""
-    names = [" · ".join(filter(None, (e["estimator"], e["landmark"]))) for e in entries]
+    names = [" · ".join(filter(None, (with_settings(e), e["landmark"]))) for e in entries]
     return names if len(set(names)) == len(names) else [e["label"] for e in entries]
 
 
