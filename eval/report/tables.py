@@ -142,9 +142,10 @@ def pooled(comparison):
 def pairs(comparison):
     """(names, cells) of each pair of estimators with runs on the same sequence."""
     rows = []
+    names = {run.label: run.name for run in comparison.runs}
     for pair in comparison.pairs:
         if pair["pairs"]:
-            rows.append((f'{pair["a"]} − {pair["b"]}',
+            rows.append((" − ".join(names.get(pair[which], pair[which]) for which in "ab"),
                          [Cell(str(pair["pairs"])), Cell(str(pair["wins_a"])), Cell(str(pair["wins_b"])),
                           with_interval(pair["difference"])]))
     return rows
