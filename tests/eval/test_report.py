@@ -167,7 +167,8 @@ def estimator(name, rmse, anees, runs=12, failed=0):
     times = [i / 15 for i in range(1, FRAMES)]
     return {"name": name, "runs": runs, "diverged": 0, "failed": failed,
             "values": {"position_rmse_m": interval(rmse), "coverage": interval(0.97)}, "anees": {"pose": part},
-            "per_frame": {"timestamp": times, "position_rmse_m": [rmse] * len(times), "position_sigma_m": [rmse] * len(times),
+            "per_frame": {"timestamp": times, "position_rmse_m": [rmse * (1 + 0.1 * math.sin(t)) for t in times],
+                          "position_sigma_m": [rmse * (1 + 0.1 * math.cos(t)) for t in times],
                           "anees_pose": [anees * (1 + 0.1 * math.sin(t)) for t in times],
                           "anees_pose_lower": [4.0] * len(times), "anees_pose_upper": [8.0] * len(times)}}
 

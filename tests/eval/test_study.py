@@ -4,6 +4,7 @@ and its report drawn in headless Chromium without an error.
 usage: test_study.py SLAMMOT
 """
 import json
+import math
 import pathlib
 import signal
 import subprocess
@@ -179,11 +180,14 @@ class Study(unittest.TestCase):
         self.assertRegex(error, r"\A.*ranked\.yaml:0: .*ideal_covariance.*\n\Z")
 
     def recorded(self):
-        """A sequence as recorded: without the truth of its points, so that its poses count as measured."""
+        """A sequence as recorded: without the truth of its points, so that its poses count as measured, and these of twice the size."""
         sequence = self.folder / "recorded"
         if not sequence.exists():
             slammot("simulate", "circle", "--set", "frames=30", "--output", sequence)
             (sequence / "landmarks.csv").unlink()
+            poses = [line.split() for line in (sequence / "groundtruth.tum").read_text().splitlines()]
+            (sequence / "groundtruth.tum").write_text("".join(
+                " ".join([pose[0], *(repr(2 * float(x)) for x in pose[1:4]), *pose[4:]]) + "\n" for pose in poses))
         return sequence
 
     def recorded_study(self, name, scenarios):
@@ -220,6 +224,10 @@ figures: [camera_error, anees, trade_off]
         self.assertLess(text.index("ATE Sim(3) [m]"), text.index("position RMSE [m]"))
         summary = (folder / "tables" / "summary.csv").read_text()
         self.assertNotIn("ANEES", summary.splitlines()[0])
+        for run in json.loads((folder / "view.json").read_text())["runs"]:  # in the frame and scale of the truth
+            self.assertLess(max(math.dist(a, b) for a, b in zip(run["path"], run["truth_path"])), 0.5)
+        self.assertGreater(runs[0]["filtered"]["position_rmse_m"], 1.0)
+        self.assertAlmostEqual(runs[0]["filtered"]["sim3_scale"], 2.0, delta=0.2)
         slammot("study", study, "--resume", "--output", folder)  # nothing is missing
 
     def test_bad_recordings_are_refused_in_one_line(self):
