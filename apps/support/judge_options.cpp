@@ -1,5 +1,6 @@
 #include "apps/support/judge_options.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -31,6 +32,22 @@ void add_judge_options(CLI::App& command, JudgeArguments& arguments) {
                    "judge a run against another sequence than the one it was made from");
 }
 
+namespace {
+
+// An option that changes nothing was meant to change something.
+void refuse_idle_options(const JudgeArguments& arguments, const std::vector<JudgedRun>& runs) {
+  const bool stated = arguments.convention != JudgeArguments{}.convention ||
+                      arguments.time_offset != 0.0 || arguments.max_difference > 0.0;
+  const bool all_own = std::ranges::all_of(runs, [](const auto& run) { return run.stored.own; });
+  if (stated && all_own) {
+    throw std::invalid_argument(
+        "--error-convention, --time-offset and --max-difference are for runs made elsewhere: all "
+        "of these are slammot's own");
+  }
+}
+
+}  // namespace
+
 std::vector<JudgedRun> judged(const JudgeArguments& arguments) {
   const std::size_t sequences = arguments.against.size();
   if (sequences > 1 && sequences != arguments.runs.size()) {
@@ -51,6 +68,7 @@ std::vector<JudgedRun> judged(const JudgeArguments& arguments) {
     if (sequences > 0) against = arguments.against[sequences == 1 ? 0 : i];
     runs.push_back(judge(arguments.runs[i], against));
   }
+  refuse_idle_options(arguments, runs);
   return runs;
 }
 

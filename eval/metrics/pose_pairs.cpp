@@ -67,10 +67,11 @@ std::vector<CameraEstimate> at_frames(const std::vector<CameraEstimate>& estimat
   if (chosen.empty() && !estimates.empty() && !frames.empty()) {
     throw std::invalid_argument(fmt::format(
         "no pose is within {:.3g} s of a frame: poses from {:.17g} to {:.17g} s, frames from "
-        "{:.17g} to {:.17g} s",
+        "{:.17g} to {:.17g} s{}",
         tolerance, estimates.front().timestamp + matching.offset,
         estimates.back().timestamp + matching.offset, frames.front().timestamp,
-        frames.back().timestamp));
+        frames.back().timestamp,
+        estimates.front().timestamp > 1e15 ? "; are these nanoseconds?" : ""));
   }
   return chosen;
 }

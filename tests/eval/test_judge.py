@@ -294,6 +294,8 @@ class Judge(unittest.TestCase):
         self.assertEqual(near["poses"], FRAMES)
         self.assert_refused(file, "within 0.01 s of a frame", "--time-offset", -5.0, "--max-difference", 0.01)
         self.assertLess(self.errors(file)["accuracy"]["coverage"], 0.8)
+        file.write_text("".join(f"{round(1e9 * (float(t) + 1.4e9))} {rest}\n" for t, rest in rows))  # as ORB-SLAM3 writes EuRoC
+        self.assert_refused(file, "are these nanoseconds")
 
     def test_a_frame_is_judged_once_however_dense_the_poses(self):
         run, = self.draw("run", 1)
@@ -321,6 +323,8 @@ class Judge(unittest.TestCase):
         slammot("evaluate", run, "--against", other, "--force")
         moved = self.here / "moved"
         shutil.copytree(self.sequence, moved)
+        idle = slammot("evaluate", run, "--time-offset", 1.0, code=2).stderr
+        self.assertRegex(idle, r"\Aslammot: .* are for runs made elsewhere: .*\n\Z")
         out = slammot("evaluate", run, "--against", moved).stdout  # the same content elsewhere
         self.assertRegex(out, r"(?m)^run +ekf +\S+ +7\.0% ")  # 21 of 300 frames
 
