@@ -108,7 +108,9 @@ int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path
 }
 
 int execute(CompareArguments arguments) {
-  for (const std::string& name : arguments.estimators) find_estimator(name);
+  for (const std::string& name : arguments.estimators) {
+    find_estimator(with_settings(name).estimator);
+  }
   std::vector<Assignment> set;
   const Configuration configuration = configuration_from(arguments.configuration, &set);
   const auto landmarks = landmarks_compared(arguments, set, configuration);
@@ -147,8 +149,10 @@ void add_compare(CLI::App& app, int& exit_code) {
                                        "folder with the sequence; without it one is simulated");
   command->add_option("--output", arguments->output, "folder for the runs and the report")
       ->type_name("DIR");
-  command->add_option("--estimator", arguments->estimators, "may be repeated")
-      ->type_name("NAME")
+  command
+      ->add_option("--estimator", arguments->estimators,
+                   "may be repeated, with settings of its own too")
+      ->type_name("NAME[:KEY=VALUE,..]")
       ->allow_extra_args(false)
       ->capture_default_str();
   command->add_option("--landmark", arguments->landmarks, "landmark model; may be repeated")

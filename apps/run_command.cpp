@@ -13,6 +13,7 @@
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_table.h"
 #include "eval/output/run_writer.h"
+#include "eval/run/evaluate.h"
 #include "eval/run/run.h"
 
 namespace slammot {
@@ -49,11 +50,16 @@ int execute(const RunArguments& arguments) {
             {command_line(), arguments.estimator, sequence.folder, sequence.name, sequence.sha256,
              std::nullopt, effective},
             run, metrics);
-  fmt::print("{}{}\n",
-             metrics_table({{output, arguments.estimator, effective.model.landmark, metrics}}),
-             output);
+  fmt::print(
+      "{}{}\n",
+      metrics_table({{run_name(output), arguments.estimator, effective.model.landmark, metrics}}),
+      output);
   for (const RunWarning& w : run.warnings) {
     fmt::print(stderr, "slammot: warning: from frame {}: {}\n", w.frame, w.reason);
+  }
+  if (metrics.failed) {
+    fmt::print(stderr, "slammot: failed at frame {}: the error exceeds a tenth of the path\n",
+               *metrics.failed);
   }
   if (!run.diverged) return 0;
   fmt::print(stderr, "slammot: diverged at frame {}: {}\n", run.diverged->frame,

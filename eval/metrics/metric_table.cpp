@@ -115,6 +115,23 @@ MetricTable landmark_error_rows(const std::string& what, ErrorSummary LandmarkEr
           row("q95", "95% quantile over the landmarks", &E::q95)};
 }
 
+Metric coverage_row() {
+  return {.key = "coverage",
+          .unit = "",
+          .name = "coverage",
+          .caption = "poses judged, of the frames of the sequence",
+          .value =
+              [](const FinishedRun& f) {
+                const auto& accuracy = f.trajectory.accuracy.value;
+                const auto frames = static_cast<double>(f.sequence.frames.size());
+                return accuracy ? accuracy->poses / frames : kUndefined;
+              },
+          .scope = Scope::kTrajectory,
+          .form = Form::kRatio,
+          .better = Better::kNeither,
+          .block = "accuracy"};
+}
+
 MetricTable accuracy_rows() {
   const auto row = [](const char* key, const char* unit, const char* name, const char* caption,
                       auto member) {
@@ -135,6 +152,7 @@ MetricTable accuracy_rows() {
   using A = Accuracy;
   constexpr Pooled kRms = Pooled::kRootMeanSquare;
   return {
+      on_terminal(coverage_row()),
       count(row("poses", "", "poses", "poses with a true pose near in time", &A::poses)),
       pooled(on_terminal(row(kPositionRmse, "m", "position RMSE",
                              "RMSE of the position, without alignment", &A::position_rmse)),
@@ -148,20 +166,24 @@ MetricTable accuracy_rows() {
              kRms),
       row("rotation_max_deg", "deg", "largest rotation error", "largest orientation error",
           &A::rotation_max_deg),
-      row("ate_se3_m", "m", "ATE, SE(3)", "RMSE of the position after rigid alignment",
-          &A::ate_se3),
-      pooled(row("ate_sim3_m", "m", "ATE, Sim(3)",
-                 "RMSE of the position after similarity alignment", &A::ate_sim3),
+      pooled(on_terminal(row("ate_se3_m", "m", "ATE SE(3)",
+                             "RMSE of the position after rigid alignment", &A::ate_se3)),
              Pooled::kMean),
-      pooled(neither(row("sim3_scale", "", "scale",
-                         "true over estimated size, of the similarity alignment", &A::scale)),
+      pooled(on_terminal(row(kAteSim3, "m", "ATE Sim(3)",
+                             "RMSE of the position after similarity alignment", &A::ate_sim3)),
+             Pooled::kMean),
+      pooled(on_terminal(
+                 neither(row("sim3_scale", "", "scale",
+                             "true over estimated size, of the similarity alignment", &A::scale))),
              Pooled::kMean),
       count(row("rpe_1s_pairs", "", "RPE pairs", "pairs of poses one second apart",
                 &A::relative_pairs)),
-      row("rpe_1s_position_rmse_m", "m", "RPE, position", "RMSE of the displacement in one second",
-          &A::relative_position_rmse),
-      row("rpe_1s_rotation_rmse_deg", "deg", "RPE, rotation", "RMSE of the rotation in one second",
-          &A::relative_rotation_rmse_deg),
+      pooled(on_terminal(row("rpe_1s_position_rmse_m", "m", "RPE 1 s",
+                             "RMSE of the displacement in one second", &A::relative_position_rmse)),
+             Pooled::kMean),
+      pooled(on_page(row("rpe_1s_rotation_rmse_deg", "deg", "RPE 1 s, rotation",
+                         "RMSE of the rotation in one second", &A::relative_rotation_rmse_deg)),
+             Pooled::kMean),
   };
 }
 

@@ -9,7 +9,9 @@ constexpr const char* kInexact = "truth is not exact";
 
 bool all_have_covariances(const std::vector<PosePair>& pairs) {
   for (const PosePair& pair : pairs) {
-    if (pair.estimate.covariance.topLeftCorner<6, 6>().hasNaN()) return false;
+    const Matrix12d& P = pair.estimate.covariance;
+    if (P.block<3, 3>(kPosition, kPosition).hasNaN()) return false;
+    if (P.block<3, 3>(kRotation, kRotation).hasNaN()) return false;
   }
   return true;
 }
@@ -88,6 +90,7 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
   for (const auto& [lag, poses] : run.lagged) {
     metrics.lagged[lag] = trajectory_metrics(sequence, poses);
   }
+  metrics.failed = failed_at(pair_with_truth(sequence, run.filtered), !sequence.exact_truth);
   judge_landmarks(sequence, run, metrics);
   metrics.classification = classification_metrics(run.classification);
   const auto per_accepted = [&](double sum) {

@@ -55,6 +55,7 @@ struct MeasurementCounts {
 struct RunMetrics {
   std::optional<Divergence> diverged;
   std::vector<RunWarning> warnings;
+  std::optional<int> failed;  // the first frame that failed, see failed_at()
   TrajectoryMetrics filtered;
   std::optional<TrajectoryMetrics> smoothed;  // of an estimator that smooths
   std::map<int, TrajectoryMetrics> lagged;    // by lag, of one that keeps past poses

@@ -141,6 +141,8 @@ Json metrics_json(const RunMetrics& m) {
   json["diverged"] = m.diverged.has_value();
   json["divergence"] = json_of(m.diverged);
   json["warnings"] = json_of(m.warnings);
+  json["failed"] = m.failed.has_value();
+  json["failed_at"] = m.failed ? Json(*m.failed) : Json();
   json["filtered"] = trajectory_json(m.filtered);
   json["smoothed"] = m.smoothed ? trajectory_json(*m.smoothed) : Json();
   put_values(json, m.values);

@@ -117,17 +117,12 @@ void write_description(std::ostream& out, const RunDescription& d) {
   out << yaml.c_str() << '\n';
 }
 
-}  // namespace
-
-void write_run(const Path& folder, const RunDescription& description, const RunResult& run,
-               const RunMetrics& metrics) {
-  std::filesystem::create_directories(folder);
-  OutputFiles files;
+void add_results(OutputFiles& files, const Path& folder, const RunResult& run,
+                 const RunMetrics& metrics) {
   const auto write = [&](const char* name, const std::function<void(std::ostream&)>& content) {
     files.write(folder / name, content);
   };
   using Out = std::ostream&;
-  write(run_files::kDescription, [&](Out out) { write_description(out, description); });
   write(run_files::kTrajectory, [&](Out out) { write_trajectory(out, run.filtered, "filtered"); });
   write(run_files::kPoseCovariance, [&](Out out) { write_covariances(out, run.filtered); });
   if (run.smoothed.empty()) {
@@ -146,6 +141,24 @@ void write_run(const Path& folder, const RunDescription& description, const RunR
         [&](Out out) { write_classification(out, run.classification); });
   write(run_files::kTiming, [&](Out out) { write_timing(out, run.timing); });
   write(run_files::kMetrics, [&](Out out) { out << metrics_json(metrics).dump(1) << '\n'; });
+}
+
+}  // namespace
+
+void write_run(const Path& folder, const RunDescription& description, const RunResult& run,
+               const RunMetrics& metrics) {
+  std::filesystem::create_directories(folder);
+  OutputFiles files;
+  files.write(folder / run_files::kDescription,
+              [&](std::ostream& out) { write_description(out, description); });
+  add_results(files, folder, run, metrics);
+  files.put_in_place();
+}
+
+void write_results(const Path& folder, const RunResult& run, const RunMetrics& metrics) {
+  std::filesystem::create_directories(folder);
+  OutputFiles files;
+  add_results(files, folder, run, metrics);
   files.put_in_place();
 }
 

@@ -28,4 +28,8 @@ struct RunDescription {
 void write_run(const std::filesystem::path& folder, const RunDescription& description,
                const RunResult& run, const RunMetrics& metrics);
 
+// All files but run.yaml.
+void write_results(const std::filesystem::path& folder, const RunResult& run,
+                   const RunMetrics& metrics);
+
 }  // namespace slammot

@@ -9,6 +9,7 @@ import sys
 import ranking
 import study_figures
 import study_tables
+import study_verdict
 from comparison import read_json
 from page import rendered, run_report, write_aside
 
@@ -42,10 +43,12 @@ def page(output):
     view = read_json(output / "view.json") if (output / "view.json").is_file() else None
     tables = tables_of(summary)
     write_tables(tables, output / "tables")
+    if summary.get("latex"):
+        (output / "tables" / "paper.tex").write_text(study_tables.paper_table(summary), encoding="utf-8")
     figures = study_figures.draw_all(summary, output / "figures")
     return rendered(
         "study.html", "view.js", view if view and view["runs"] else None,
-        summary=summary, tables=tables,
+        summary=summary, tables=tables, study_verdict=study_verdict,
         figures=[(f.title, f.caption, inline(f.png)) for f in figures])
 
 

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <set>
 
-#include "datasets/text/number.h"
 #include "datasets/text/text_table.h"
 #include "datasets/text/yaml_map.h"
 #include "eval/configuration/registry.h"
+#include "eval/study/study_figures.h"
+#include "eval/study/study_sequence.h"
 
 namespace slammot {
 namespace {
@@ -17,7 +18,8 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 
 struct NamedSettings {
   std::string label;
-  std::string name;  // of the scenario or the estimator
+  std::string name;  // of the scenario or the estimator; folder of a recorded sequence
+  bool recorded = false;
   Settings settings;
 };
 
@@ -25,10 +27,6 @@ struct SweptKey {
   std::string key;
   std::vector<std::string> values;
 };
-
-constexpr std::string_view kFigures[] = {
-    "ranking",  "camera_error", "landmark_error", "classification", "classification_against_sweep",
-    "velocity", "trade_off",    "anees",          "landmark_anees", "anees_by_age"};
 
 // `scenario.KEY` is a parameter of the scenario, any other key one of the configuration.
 constexpr std::string_view kScenarioPrefix = "scenario.";
@@ -61,6 +59,7 @@ class Reader {
     read_record(top, study);
     read_figures(top, study);
     read_reference(top, study);
+    read_latex(top, study);
     top.finish();
     cross(scenarios, sweep, estimators, all, study);
     return study;
@@ -98,8 +97,11 @@ class Reader {
     for (const auto& item : node) {
       YamlMap map(file_, item, "an entry of '" + list + "'");
       NamedSettings row;
-      row.name = map.text(kind);
-      row.label = map.has("label") ? map.text("label") : row.name;
+      row.recorded = kind == "scenario" && map.has("sequence");
+      row.name = row.recorded ? folder_of(map.text("sequence")) : map.text(kind);
+      const std::string name =
+          row.recorded ? std::filesystem::path(row.name).filename().string() : row.name;
+      row.label = map.has("label") ? map.text("label") : name;
       if (map.has("set")) row.settings = settings(map.take("set"), "set");
       map.finish();
       if (row.label.find(',') != std::string::npos) {
@@ -109,6 +111,12 @@ class Reader {
       result.push_back(std::move(row));
     }
     return result;
+  }
+
+  // Relative to the study's file.
+  std::string folder_of(const std::string& sequence) const {
+    const std::filesystem::path folder = (file_.parent_path() / sequence).lexically_normal();
+    return (folder.has_filename() ? folder : folder.parent_path()).string();
   }
 
   std::vector<SweptKey> swept(YamlMap& top) const {
@@ -137,11 +145,12 @@ class Reader {
   void read_figures(YamlMap& top, Study& study) const {
     if (!top.has("figures")) return;
     for (const auto& figure : top.take("figures")) {
-      if (std::ranges::find(kFigures, scalar(figure, "figures")) == std::end(kFigures)) {
-        refuse(figure, fmt::format("unknown figure '{}' (known: {})", figure.Scalar(),
-                                   fmt::join(kFigures, ", ")));
+      study.figures.push_back(scalar(figure, "figures"));
+      try {
+        require_figure(study.figures.back());
+      } catch (const std::invalid_argument& error) {
+        refuse(figure, error.what());
       }
-      study.figures.push_back(figure.Scalar());
     }
   }
 
@@ -156,6 +165,28 @@ class Reader {
       if (given.size() != counts->size()) map.refuse(map.take(key), "must be three numbers");
       std::ranges::copy(given, counts->begin());
     }
+    map.finish();
+  }
+
+  void read_latex(YamlMap& top, Study& study) const {
+    if (!top.has("latex")) return;
+    YamlMap map = top.map("latex");
+    LatexTable& latex = study.latex.emplace();
+    for (const auto& column : map.take("columns")) {
+      latex.columns.push_back(scalar(column, "columns"));
+      try {
+        require_number(latex.columns.back());
+      } catch (const std::invalid_argument& error) {
+        refuse(column, error.what());
+      }
+    }
+    if (latex.columns.empty()) map.refuse(map.take("columns"), "'columns' must be a list of keys");
+    if (map.has("labels")) {
+      for (const auto& [name, label] : settings(map.take("labels"), "labels")) {
+        latex.labels[name] = label;
+      }
+    }
+    if (map.has("caption")) latex.caption = map.text("caption");
     map.finish();
   }
 
@@ -199,7 +230,11 @@ class Reader {
     StudyCell cell;
     cell.group = scenario.label;
     cell.label = estimator.label;
-    cell.scenario = scenario.name;
+    if (scenario.recorded) {
+      cell.sequence = scenario.name;
+    } else {
+      cell.scenario = scenario.name;
+    }
     cell.estimator = estimator.name;
     cell.sweep = values;
     find_estimator(cell.estimator);
@@ -220,38 +255,15 @@ class Reader {
   std::filesystem::path file_;
 };
 
-// A scenario's parameters are known only to its simulator, which checks them.
+// A scenario's parameters are known only to its simulator, which checks them; a sequence is read.
 void try_scenarios(const std::filesystem::path& file, const Study& study) {
   std::set<std::string> tried;
   for (const StudyCell& cell : study.cells) {
     if (!tried.insert(cell.group).second) continue;
     try {
-      ScenarioOverrides scene = cell.scene;
-      simulate(cell.scenario, scene, study.first_seed);
+      study_sequence(cell, study.first_seed);
     } catch (const std::invalid_argument& error) {
       throw InputError(file, 0, error.what());
-    }
-  }
-}
-
-// What a figure draws must be there.
-void check_figures(const std::filesystem::path& file, const Study& study) {
-  const auto wants = [&](const char* figure) {
-    return std::ranges::find(study.figures, figure) != study.figures.end();
-  };
-  if (wants("velocity") && study.tracks.empty()) {
-    throw InputError(file, 0, "figure 'velocity' needs `record: {tracks: ..}`");
-  }
-  if (!wants("classification_against_sweep")) return;
-  const auto& sweep = study.cells.front().sweep;
-  if (sweep.size() != 1) {
-    throw InputError(file, 0, "figure 'classification_against_sweep' needs one swept key");
-  }
-  for (const StudyCell& cell : study.cells) {
-    const std::string& value = cell.sweep.front().second;
-    if (!parse_number<double>(value)) {
-      throw InputError(
-          file, 0, fmt::format("figure 'classification_against_sweep': '{}' is no number", value));
     }
   }
 }
@@ -265,9 +277,20 @@ int Study::tasks() const {
   return static_cast<int>(all);
 }
 
+int Study::runs_of(std::size_t cell) const { return is_single_run(cells[cell]) ? 1 : runs; }
+
+bool Study::has_task(int task) const {
+  const int count = static_cast<int>(cells.size());
+  return task / count < runs_of(static_cast<std::size_t>(task % count));
+}
+
 Study parse_study(const std::filesystem::path& file) {
   Study study = Reader(file).read();
-  check_figures(file, study);
+  try {
+    check_figures(study);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(file, 0, error.what());
+  }
   return study;
 }
 

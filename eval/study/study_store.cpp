@@ -89,6 +89,7 @@ void merge_runs(const Study& study, const std::vector<fs::path>& folders, const 
   }
   const int cells = rules.cells;
   for (int task = 0, all = study.tasks(); task < all; ++task) {
+    if (!study.has_task(task)) continue;
     const StudyCell& cell = study.cells[static_cast<std::size_t>(task % cells)];
     const std::uint64_t seed = study.seed(task / cells);
     if (places.contains({task % cells, seed})) continue;
@@ -99,7 +100,7 @@ void merge_runs(const Study& study, const std::vector<fs::path>& folders, const 
   const auto write_part = [&](const char* file, const char* part) {
     files.write(output / file, [&](std::ostream& out) {
       for (int cell = 0; cell < cells; ++cell) {
-        for (int run = 0; run < study.runs; ++run) {
+        for (int run = 0; run < study.runs_of(static_cast<std::size_t>(cell)); ++run) {
           out << read_run_line(places.at({cell, study.seed(run)})).at(part).dump() << '\n';
         }
       }
