@@ -11,6 +11,7 @@
 #include "apps/support/progress.h"
 #include "apps/support/usage.h"
 #include "datasets/sequence/sequence.h"
+#include "datasets/text/printable.h"
 #include "eval/provenance/provenance.h"
 #include "eval/run/process.h"
 
@@ -21,12 +22,21 @@ constexpr int kFailed = 1;
 constexpr int kBadUsage = 2;
 
 int complain(const std::string& reason, int exit_code) {
-  std::fprintf(stderr, "slammot: %s\n", reason.c_str());
+  std::fprintf(stderr, "slammot: %s\n", printable(reason).c_str());
   return exit_code;
+}
+
+// Arguments are written into results, which are UTF-8.
+void require_utf8(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    if (invalid_utf8(argv[i]) == std::string::npos) continue;
+    throw std::invalid_argument(std::string(argv[i]) + ": is not UTF-8");
+  }
 }
 
 int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
   try {
+    require_utf8(argc, argv);
     app.parse(argc, argv);
     return exit_code;
   } catch (const CLI::Success& help) {  // --help and --version are exceptions too

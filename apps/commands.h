@@ -7,6 +7,8 @@
 
 namespace slammot {
 
+inline constexpr char kForceHelp[] = "replace an earlier output of this command";
+
 void add_compare(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);

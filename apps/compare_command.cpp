@@ -12,6 +12,8 @@
 #include "apps/support/sequence_source.h"
 #include "apps/support/usage.h"
 #include "apps/support/writable.h"
+#include "datasets/output/output_files.h"
+#include "datasets/output/output_folder.h"
 #include "datasets/readers/reader.h"
 #include "eval/compare/compare.h"
 #include "eval/configuration/registry.h"
@@ -21,6 +23,9 @@
 namespace slammot {
 namespace {
 
+constexpr char kSequence[] = "sequence";
+constexpr char kPictures[] = "pictures";
+
 struct CompareArguments {
   std::string sequence;
   std::string output;
@@ -29,6 +34,7 @@ struct CompareArguments {
   ScenarioOptions scenario;
   ConfigurationOptions configuration;
   bool pictures = false;
+  bool force = false;
 };
 
 std::filesystem::path output_folder(const CompareArguments& arguments) {
@@ -54,7 +60,7 @@ Sequence obtain(const CompareArguments& arguments, const std::filesystem::path& 
   if (!arguments.sequence.empty()) return read_sequence(arguments.sequence);
   fmt::print("simulating scenario {}, seed {}\n", arguments.scenario.scenario,
              arguments.scenario.seed);
-  return simulate_to(arguments.scenario, output / "sequence");
+  return simulate_to(arguments.scenario, output / kSequence);
 }
 
 // The report takes them from each run's folder.
@@ -62,7 +68,7 @@ void draw_all(const std::vector<NamedMetrics>& results, const Sequence& sequence
               const std::filesystem::path& output, Progress& progress) {
   for (const NamedMetrics& result : results) {
     const auto run = output / result.label;
-    draw_run(run, sequence, run / "pictures", [&](int done, int total) {
+    draw_run(run, sequence, run / kPictures, [&](int done, int total) {
       progress.show("pictures of " + result.label, done, total);
     });
   }
@@ -75,6 +81,26 @@ void say_what_diverged(const std::vector<NamedMetrics>& results) {
     fmt::print(stderr, "slammot: {} diverged at frame {}: {}\n", result.label, diverged->frame,
                diverged->reason);
   }
+}
+
+// Everything that will be written into, before anything is. The mark comes first, so that what an
+// interrupted comparison leaves can be replaced.
+void claim(const CompareArguments& arguments, const std::filesystem::path& output,
+           const std::vector<ComparedRun>& runs) {
+  const bool replace = arguments.force || arguments.output.empty();
+  const std::filesystem::path& input = arguments.sequence;
+  require_output(output, kComparisonOutput, replace, input);
+  if (input.empty()) require_output(output / kSequence, kSequenceOutput, replace);
+  for (const ComparedRun& run : runs) {
+    require_output(output / run.label, kRunOutput, replace, input);
+    if (!arguments.pictures) continue;
+    require_output(output / run.label / kPictures, kPicturesOutput, replace, input);
+  }
+  require_writable_folder(output);
+  std::filesystem::create_directories(output);
+  const auto mark = output / kComparisonOutput.mark;
+  if (std::filesystem::exists(mark)) return;
+  write_file(mark, std::string(kComparisonOutput.begins) + ",\n \"runs\": []\n}\n");
 }
 
 int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path& output) {
@@ -95,16 +121,16 @@ int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path
 }
 
 int execute(CompareArguments arguments) {
-  for (const std::string& name : arguments.estimators) find_estimator(name);
+  for (const std::string& name : arguments.estimators) {
+    find_estimator(with_settings(name).estimator);
+  }
   std::vector<Assignment> set;
   const Configuration configuration = configuration_from(arguments.configuration, &set);
   const auto landmarks = landmarks_compared(arguments, set, configuration);
   if (arguments.scenario.scenario.empty()) arguments.scenario.scenario = "circle";
   const std::filesystem::path output = output_folder(arguments);
-  if (std::filesystem::exists(output / "study.yaml")) {
-    throw std::invalid_argument(output.string() + " holds a study: a comparison needs its own");
-  }
-  require_writable_folder(output);
+  const auto runs = crossed(arguments.estimators, landmarks);
+  claim(arguments, output, runs);
   const Sequence sequence = selected(obtain(arguments, output), configuration.frames);
   if (arguments.pictures && sequence.images.empty()) {
     throw InputError(sequence.folder, 0, "--pictures: frames.csv names no images");
@@ -120,8 +146,7 @@ int execute(CompareArguments arguments) {
   options.progress = [&](const std::string& label, int done, int total) {
     progress.show(label, done, total);
   };
-  const auto results =
-      compare(sequence, configuration, crossed(arguments.estimators, landmarks), options);
+  const auto results = compare(sequence, configuration, runs, options);
   if (arguments.pictures) draw_all(results, sequence, output, progress);
   progress.clear();
   return finish(results, output);
@@ -138,8 +163,9 @@ void add_compare(CLI::App& app, int& exit_code) {
   command->add_option("--output", arguments->output, "folder for the runs and the report")
       ->type_name("DIR");
   command
-      ->add_option("--estimator", arguments->estimators, "or python:FILE.py:Class; may be repeated")
-      ->type_name("NAME")
+      ->add_option("--estimator", arguments->estimators,
+                   "or python:FILE.py:Class; may be repeated, with settings of its own too")
+      ->type_name("NAME[:KEY=VALUE,..]")
       ->allow_extra_args(false)
       ->capture_default_str();
   command->add_option("--landmark", arguments->landmarks, "landmark model; may be repeated")
@@ -159,6 +185,7 @@ void add_compare(CLI::App& app, int& exit_code) {
       ->excludes(sequence);
   command->add_flag("--pictures", arguments->pictures,
                     "of every frame, as PNG and as a film, and in the report; wants images");
+  command->add_flag("--force", arguments->force, kForceHelp);
   add_configuration_options(*command, arguments->configuration);
   command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
 }

@@ -7,6 +7,7 @@
 #include "apps/support/draw_run.h"
 #include "apps/support/progress.h"
 #include "apps/support/writable.h"
+#include "datasets/output/output_folder.h"
 #include "datasets/readers/reader.h"
 #include "eval/output/run_reader.h"
 
@@ -17,6 +18,7 @@ struct DrawArguments {
   std::string run;
   std::string sequence;
   std::string output;
+  bool force = false;
 };
 
 void execute(const DrawArguments& arguments) {
@@ -29,6 +31,7 @@ void execute(const DrawArguments& arguments) {
   }
   const std::filesystem::path output =
       arguments.output.empty() ? run / "pictures" : std::filesystem::path(arguments.output);
+  require_output(output, kPicturesOutput, arguments.force || arguments.output.empty());
   require_writable_folder(output);
   Progress progress;
   const int count = draw_run(run, read_sequence(sequence), output,
@@ -48,6 +51,7 @@ void add_draw(CLI::App& app, int& exit_code) {
       ->type_name("SEQUENCE");
   command->add_option("--output", arguments->output, "folder to write, else RUN/pictures")
       ->type_name("DIR");
+  command->add_flag("--force", arguments->force, kForceHelp);
   command->callback([arguments, &exit_code] {
     execute(*arguments);
     exit_code = 0;

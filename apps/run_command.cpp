@@ -9,10 +9,12 @@
 #include "apps/support/progress.h"
 #include "apps/support/sequence_source.h"
 #include "apps/support/writable.h"
+#include "datasets/output/output_folder.h"
 #include "datasets/readers/reader.h"
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_table.h"
 #include "eval/output/run_writer.h"
+#include "eval/run/evaluate.h"
 #include "eval/run/run.h"
 
 namespace slammot {
@@ -23,6 +25,7 @@ struct RunArguments {
   std::string estimator;
   std::string output;
   std::string landmarks = "final";
+  bool force = false;
   ConfigurationOptions configuration;
 };
 
@@ -34,6 +37,7 @@ int execute(const RunArguments& arguments) {
       arguments.output.empty()
           ? fmt::format("slammot-out/run-{}-{}", sequence.name, estimator_label(row.name))
           : arguments.output;
+  require_output(output, kRunOutput, arguments.force || arguments.output.empty(), sequence.folder);
   require_writable_folder(output);
   if (const auto warning = warning_about(sequence, configuration, arguments.estimator)) {
     fmt::print(stderr, "slammot: warning: {}\n", *warning);
@@ -50,8 +54,16 @@ int execute(const RunArguments& arguments) {
              std::nullopt, effective},
             run, metrics);
   const std::string landmark = row.has_models ? effective.model.landmark : "-";
-  fmt::print("{}{}\n", metrics_table({{output, estimator_label(row.name), landmark, metrics}}),
+  fmt::print("{}{}\n",
+             metrics_table({{run_name(output), estimator_label(row.name), landmark, metrics}}),
              output);
+  for (const RunWarning& w : run.warnings) {
+    fmt::print(stderr, "slammot: warning: from frame {}: {}\n", w.frame, w.reason);
+  }
+  if (metrics.failed) {
+    fmt::print(stderr, "slammot: failed at frame {}: the error exceeds a tenth of the path\n",
+               *metrics.failed);
+  }
   if (!run.diverged) return 0;
   fmt::print(stderr, "slammot: diverged at frame {}: {}\n", run.diverged->frame,
              run.diverged->reason);
@@ -75,6 +87,7 @@ void add_run(CLI::App& app, int& exit_code) {
                    "rows of landmarks.csv: the final state "
                    "of each, or all of every frame")
       ->check(CLI::IsMember({"final", "every-frame"}));
+  command->add_flag("--force", arguments->force, kForceHelp);
   add_configuration_options(*command, arguments->configuration);
   command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
 }

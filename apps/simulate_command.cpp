@@ -7,6 +7,7 @@
 #include "apps/support/sequence_source.h"
 #include "apps/support/usage.h"
 #include "apps/support/writable.h"
+#include "datasets/output/output_folder.h"
 #include "datasets/simulation/scenario.h"
 #include "datasets/simulation/scene/parameters.h"
 #include "frontend/rendering/render.h"
@@ -18,6 +19,7 @@ struct SimulateArguments {
   ScenarioOptions scenario;
   std::string output;
   bool render = false;
+  bool force = false;
 };
 
 constexpr char kRoom[] = "room";  // the one scene with surfaces
@@ -55,6 +57,7 @@ void render_images(const SimulateArguments& arguments) {
 }
 
 void execute(const SimulateArguments& arguments) {
+  require_output(arguments.output, kSequenceOutput, arguments.force);
   require_writable_folder(arguments.output);
   if (arguments.render) return render_images(arguments);
   if (arguments.scenario.scenario.empty()) throw std::invalid_argument("which SCENARIO?");
@@ -80,6 +83,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--output", arguments->output, "folder to write")
       ->type_name("SEQUENCE")
       ->required();
+  command->add_flag("--force", arguments->force, kForceHelp);
   command->footer(parameters_help);
   command->callback([arguments, &exit_code] {
     execute(*arguments);

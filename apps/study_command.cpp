@@ -1,7 +1,6 @@
 // slammot study STUDY.yaml: scenarios x estimators x swept values x seeds, in parallel.
 #include <fmt/format.h>
 
-#include <fstream>
 #include <memory>
 #include <thread>
 
@@ -9,6 +8,7 @@
 #include "apps/support/progress.h"
 #include "apps/support/usage.h"
 #include "apps/support/writable.h"
+#include "datasets/output/output_files.h"
 #include "eval/report/report_generator.h"
 #include "eval/study/study_driver.h"
 #include "eval/study/study_summary.h"
@@ -25,6 +25,7 @@ struct StudyArguments {
   std::vector<std::string> merge;
   bool merge_only = false;
   bool resume = false;
+  bool force = false;
   int runs = 0;
   int jobs = 0;
 };
@@ -41,12 +42,12 @@ Shard parse_shard(const std::string& text) {
 }
 
 int finish(const Study& study, const std::filesystem::path& output,
-           const std::vector<std::filesystem::path>& folders, int jobs) {
-  merge_runs(study, folders, output);
+           const std::vector<std::filesystem::path>& folders, int jobs, bool mix_programs) {
+  merge_runs(study, folders, output, mix_programs);
   write_runs_table(study, output);
-  std::ofstream(output / "summary.json")
-      << summarise_study(study, output, provenance(jobs)).dump(1) << '\n';
-  std::ofstream(output / "view.json") << study_view(study).dump() << '\n';
+  write_file(output / "summary.json",
+             summarise_study(study, output, provenance(jobs)).dump(1) + '\n');
+  write_file(output / "view.json", study_view(study).dump() + '\n');
   const auto report = write_study_report(output);
   if (!report) {
     fmt::print(stderr,
@@ -70,12 +71,15 @@ int execute(const StudyArguments& arguments) {
     claim_folder(study, output, shard, true);
     std::vector<std::filesystem::path> folders(arguments.merge.begin(), arguments.merge.end());
     if (folders.empty()) folders.push_back(output);
-    return finish(study, output, folders, 0);
+    return finish(study, output, folders, 0, arguments.force);
   }
-  claim_folder(study, output, shard, arguments.resume);
+  // Twice the same command is once: what stands in the study's own folder is gone on with.
+  const bool resume = arguments.resume || arguments.output.empty();
+  claim_folder(study, output, shard, resume);
   StudyOptions options;
   options.output = output;
   options.shard = shard;
+  options.mix_programs = arguments.force;
   options.jobs =
       arguments.jobs > 0 ? arguments.jobs : static_cast<int>(std::thread::hardware_concurrency());
   Progress progress("run", "runs");
@@ -85,8 +89,8 @@ int execute(const StudyArguments& arguments) {
   std::fflush(stdout);
   const int ran = run_study(study, options);
   progress.clear();
-  fmt::print("{} runs done{}\n", ran, arguments.resume ? ", the others were there" : "");
-  if (shard.count == 1) return finish(study, output, {output}, options.jobs);
+  fmt::print("{} runs done{}\n", ran, resume ? ", the others were there" : "");
+  if (shard.count == 1) return finish(study, output, {output}, options.jobs, arguments.force);
   fmt::print(
       "shard {} of {} is in {}; when all are there: slammot study {} --merge --output {}; or, of a "
       "folder each: --merge DIR1 DIR2 ... --output DIR\n",
@@ -111,7 +115,10 @@ void add_study(CLI::App& app, int& exit_code) {
   auto* shard =
       command->add_option("--shard", arguments->shard, "only every N-th run, from the I-th")
           ->type_name("I/N");
-  command->add_flag("--resume", arguments->resume, "go on with what the folder holds");
+  command->add_flag("--resume", arguments->resume,
+                    "go on with what the folder holds; without --output always");
+  command->add_flag("--force", arguments->force,
+                    "take runs that another build of the program made, and mix them");
   auto* merge =
       command
           ->add_option(

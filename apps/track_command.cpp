@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <fstream>
 #include <memory>
 
 #include "apps/commands.h"
@@ -12,6 +11,8 @@
 #include "apps/support/writable.h"
 #include "datasets/native/native_settings.h"
 #include "datasets/native/native_writer.h"
+#include "datasets/output/output_files.h"
+#include "datasets/output/output_folder.h"
 #include "datasets/readers/image_reader.h"
 #include "datasets/text/text_table.h"
 #include "eval/provenance/provenance.h"
@@ -29,6 +30,7 @@ struct TrackArguments {
   std::string camera;
   std::string chessboard;
   std::optional<double> velocity_sigma;  // [m/s]
+  bool force = false;
   TrackOptions options;
 };
 
@@ -70,26 +72,20 @@ void state_velocity(double sigma, Sequence& sequence) {
 
 // How the measurements were made: track.yaml, for people.
 void write_description(const TrackArguments& arguments, const TrackedImages& tracked) {
-  std::ofstream out(Path(arguments.output) / "track.yaml", std::ios::binary);
-  out.exceptions(std::ios::badbit | std::ios::failbit);
-  out << fmt::format(
-      "version: \"{}\"\ncommand: \"{}\"\nframes: {}\nframes_skipped: {}\ntracks: {}\n"
-      "pixel_sigma: \"{}\"\n",
-      version_text(), command_line(), tracked.sequence.frames.size(), tracked.skipped.size(),
-      tracked.tracks, noise_text(tracked));
+  write_file(Path(arguments.output) / "track.yaml",
+             fmt::format("version: \"{}\"\ncommand: \"{}\"\nframes: {}\nframes_skipped: {}\n"
+                         "tracks: {}\npixel_sigma: \"{}\"\n",
+                         version_text(), command_line(), tracked.sequence.frames.size(),
+                         tracked.skipped.size(), tracked.tracks, noise_text(tracked)));
 }
 
 int execute(TrackArguments arguments) {
-  require_writable_folder(arguments.output);
   if (!arguments.chessboard.empty()) {
     arguments.options.chessboard = parse_chessboard(arguments.chessboard);
   }
   Sequence images = read_images(arguments.images);
-  if (std::filesystem::exists(arguments.output) &&
-      std::filesystem::equivalent(arguments.images, arguments.output)) {
-    throw std::invalid_argument(
-        "--output is the folder of the images, whose files it would replace");
-  }
+  require_output(arguments.output, kSequenceOutput, arguments.force, arguments.images);
+  require_writable_folder(arguments.output);
   if (!arguments.camera.empty()) {
     images.camera = read_camera_file(arguments.camera, read_text_file(arguments.camera));
   }
@@ -137,6 +133,7 @@ void add_track(CLI::App& app, int& exit_code) {
                    "scale as an odometer does")
       ->check(CLI::PositiveNumber)
       ->excludes("--chessboard");
+  command->add_flag("--force", arguments->force, kForceHelp);
   command->add_option("--points", options.tracker.corners.count, "corners looked for in an image")
       ->check(CLI::Range(8, 10000))
       ->capture_default_str();

@@ -1,6 +1,7 @@
 # How our own code is compiled, and the one function that declares a library of ours.
 option(SLAMMOT_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(SLAMMOT_BUILD_BENCHMARKS "Build the benchmarks" ${PROJECT_IS_TOP_LEVEL})
+option(SLAMMOT_BUILD_FUZZERS "Build the libFuzzer programs; wants clang" OFF)
 option(SLAMMOT_WARNINGS_AS_ERRORS "Treat warnings in our code as errors" ${PROJECT_IS_TOP_LEVEL})
 option(SLAMMOT_UNITY "Compile several sources of a library at once: two fifths of the time" ON)
 set(SLAMMOT_SANITIZE "" CACHE STRING "Sanitizers, as in -fsanitize=")

@@ -10,13 +10,24 @@ namespace {
 class OpencvVideo : public Video {
  public:
   OpencvVideo(const std::filesystem::path& file, double rate, cv::Size size)
-      : writer_(file.string(), cv::VideoWriter::fourcc('m', 'p', '4', 'v'), rate, size) {}
+      : file_(file.string()),
+        writer_(file_, cv::VideoWriter::fourcc('m', 'p', '4', 'v'), rate, size) {}
 
   bool is_open() const { return writer_.isOpened(); }
-  void add(const cv::Mat& picture) override { writer_.write(picture); }
+  void add(const cv::Mat& picture) override {
+    writer_.write(picture);
+    ++added_;
+  }
+  // The writer tells of no failure: what it wrote is looked at.
+  bool finish() override {
+    writer_.release();
+    return static_cast<int>(cv::VideoCapture(file_).get(cv::CAP_PROP_FRAME_COUNT)) == added_;
+  }
 
  private:
+  std::string file_;
   cv::VideoWriter writer_;
+  int added_ = 0;
 };
 
 class OpencvCodecs : public Codecs {
@@ -27,9 +38,11 @@ class OpencvCodecs : public Codecs {
     return cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
   }
 
-  bool write(const std::filesystem::path& file, const cv::Mat& image,
-             int jpeg_quality) const override {
-    return cv::imwrite(file.string(), image, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
+  std::string encode(const std::string& suffix, const cv::Mat& image,
+                     int jpeg_quality) const override {
+    std::vector<unsigned char> bytes;
+    cv::imencode(suffix, image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
+    return {bytes.begin(), bytes.end()};
   }
 
   std::unique_ptr<Video> open_video(const std::filesystem::path& file, double rate,

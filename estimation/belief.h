@@ -14,16 +14,10 @@
 #include "estimation/classification.h"
 #include "estimation/depth_prior.h"
 #include "estimation/estimator.h"
+#include "estimation/gate.h"
 #include "estimation/landmark_estimate.h"
 
 namespace slammot {
-
-// The innovation of one measurement under the predicted belief.
-struct PixelInnovation {
-  Observation z;
-  Eigen::Vector2d nu;    // z - h(x) [px]
-  Eigen::Matrix2d HPHt;  // covariance of h(x), without the pixel's noise [px^2]
-};
 
 // The NIS of a measurement given all others of its frame (label_policy.h).
 struct LeaveOneOut {
@@ -55,8 +49,7 @@ class Belief {
 
   // Of measurements of landmarks in the belief; those not expected in view (observation.h) are left
   // out.
-  virtual void innovations(std::span<const Observation> measured,
-                           std::vector<PixelInnovation>& result) = 0;
+  virtual void innovations(std::span<const Observation> measured, FrameInnovation& result) = 0;
 
   // The measurement update with what passed the gate, a part of innovations() in its order. A
   // smoother first lets the oldest frame leave.
@@ -90,6 +83,8 @@ class Belief {
 
   virtual int state_size() const = 0;  // of the error state
   virtual CameraEstimate camera() const = 0;
+  // See Estimator::pose_before().
+  virtual std::optional<PoseEstimate> pose_before(int /*frames*/) const { return std::nullopt; }
   virtual void points(std::vector<LandmarkPoint>& result) = 0;  // of all landmarks, by track
   virtual std::vector<LandmarkBelief> landmarks(std::span<const int> tracks) const = 0;
 

@@ -69,9 +69,9 @@ LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, std::span<SeenDept
   return learnt;
 }
 
-bool learns_depths(DepthPriorSource source, bool some_are_known) {
-  return source == DepthPriorSource::kAuto ? some_are_known
-                                           : source == DepthPriorSource::kEmpirical;
+bool learns_depths(DepthPriorSource source, const InitialCamera& camera, bool some_are_known) {
+  if (source != DepthPriorSource::kAuto) return source == DepthPriorSource::kEmpirical;
+  return some_are_known || 2.0 * camera.velocity_sigma < camera.state.velocity.norm();
 }
 
 }  // namespace slammot

@@ -17,8 +17,8 @@
 // (LandmarkPrior::mean_sigma), a state that is correlated with the map as it should be, the mean of
 // a birth is that state, and only its spread and the motion's prior are learnt here.
 //
-// `auto`: `empirical` where some landmark is known beforehand. Where none is, the statement is all
-// that holds the scale, and it is kept.
+// `auto`: `empirical` where a landmark known beforehand or the first velocity holds the scale. Else
+// the statement is all that holds it, and it is kept.
 #pragma once
 
 #include <span>
@@ -46,8 +46,8 @@ SeenDepth seen_depth(const PointFunctions& point, const Eigen::Vector3d& y,
 // than the rest moved back.
 LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, std::span<SeenDepth> seen);
 
-// Whether depths are learnt from the map; kAuto: where the depth of some landmark is known.
-bool learns_depths(DepthPriorSource source, bool some_are_known);
+// Whether depths are learnt from the map; kAuto: where something else holds the scale.
+bool learns_depths(DepthPriorSource source, const InitialCamera& camera, bool some_are_known);
 
 class DepthPrior {
  public:

@@ -40,6 +40,13 @@ struct CameraEstimate {
   Matrix12d covariance = Matrix12d::Zero();  // of [dr (W), dtheta (C, right), dv (W), domega (C)]
 };
 
+// The pose of a frame that has passed, as all measurements since have corrected it.
+struct PoseEstimate {
+  Eigen::Vector3d position;
+  Eigen::Quaterniond orientation;
+  Eigen::Matrix<double, 6, 6> covariance;  // of [dr (W), dtheta (C, right)]
+};
+
 // One landmark as believed after the newest frame. What is not defined is NaN, never zero: the
 // velocity of a landmark held static, and the position of one at infinity.
 struct LandmarkEstimate {
@@ -59,13 +66,15 @@ struct LandmarkEstimate {
 
 // What happened in one frame.
 struct FrameReport {
-  int accepted = 0;     // measurements of landmarks in the state that passed the gate
-  int rejected = 0;     // those that did not
-  int out_of_view = 0;  // measured, but predicted behind the camera or far outside the image
-  int admitted = 0;     // landmarks initialised
+  int accepted = 0;         // measurements of landmarks in the state that passed the gate
+  int accepted_static = 0;  // of them those of static landmarks
+  int rejected = 0;         // those that did not
+  int out_of_view = 0;      // measured, but predicted behind the camera or far outside the image
+  int admitted = 0;         // landmarks initialised
   std::vector<LandmarkEstimate> retired;  // the last word on each landmark removed
-  double nis_sum = 0.0;  // sum over the accepted of their 2-dof normalised innovation squared
-  int state_size = 0;    // dimension of the error state after the frame
+  double nis_sum = 0.0;    // sum over the accepted of their 2-dof normalised innovation squared
+  double joint_nis = 0.0;  // nu' S^-1 nu of all accepted together, of 2 dof each; NaN: not stated
+  int state_size = 0;      // dimension of the error state after the frame
   int negative_inverse_depth = 0;  // landmarks believed behind infinity (legal, counted)
 };
 
@@ -98,6 +107,9 @@ class Estimator {
 
   // The newest camera: the filtered estimate, for the smoother too.
   virtual CameraEstimate camera() const = 0;
+
+  // The pose `frames` (at least 1) before the newest; none where the estimator no longer keeps it.
+  virtual std::optional<PoseEstimate> pose_before(int /*frames*/) const { return std::nullopt; }
 
   // Every landmark that is in the state now.
   virtual std::vector<LandmarkEstimate> landmarks() const = 0;

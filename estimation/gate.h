@@ -1,31 +1,71 @@
-// The chi-square gate of all estimators: a measurement passes when its innovation is
-// no longer, by its own covariance, than the stated part of correct ones are.
+// The gate of all estimators: which of a frame's measurements are used.
+//
+// Each on its own (thesis): nu_i' S_ii^-1 nu_i, with S = H P H' + sigma^2 I, against a chi-square
+// quantile. What all of a frame share, above all the camera's motion, is in every S_ii, so that
+// this alone may let anything pass.
+//
+// Given the others: with a = S^-1 nu and B = S^-1, the NIS of measurement i given all others is
+// a_i' B_ii^-1 a_i (docs/mathematics.md). An outlier spoils that of its neighbours. So every
+// measurement is first believed alone, and the one that most others agree with decides where to
+// begin (one-point consensus, Civera et al. 2010). Of those that agree the worst is let go, given
+// all others, until all pass. Then what passes given them comes in.
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/LU>
-#include <cmath>
+#include <vector>
+
+#include "estimation/options.h"
+#include "models/growing_matrix.h"
+#include "models/measurement.h"
 
 namespace slammot {
 
-class PixelGate {
+// The innovations of a frame's measurements under the predicted belief.
+struct FrameInnovation {
+  std::vector<Observation> z;
+  std::vector<Eigen::Vector2d> nu;  // z - h(x) [px]
+  // Joint covariance of all h(x), without the pixels' noise [px^2]: 2n x 2n, the lower triangle.
+  GrowingMatrix HPHt;
+};
+
+// The 2-dof chi-square quantile, in closed form.
+double pixel_threshold(double probability);
+
+class FrameGate {
  public:
-  // `probability` of a correct measurement passing; `pixel_sigma` [px].
-  PixelGate(double probability, double pixel_sigma)
-      : threshold_(-2.0 * std::log1p(-probability)), variance_(pixel_sigma * pixel_sigma) {}
+  FrameGate(const GateOptions& options, double pixel_sigma)
+      : alone_(pixel_threshold(options.probability)),
+        given_others_(pixel_threshold(options.given_others)),
+        variance_(pixel_sigma * pixel_sigma) {}
 
-  // nu' S^-1 nu with S = H P H' + sigma^2 I.
-  double nis(const Eigen::Vector2d& nu, const Eigen::Matrix2d& HPHt) const {
-    Eigen::Matrix2d S = HPHt;
-    S.diagonal().array() += variance_;
-    return nu.dot(S.inverse() * nu);
-  }
+  // Throws Diverged when S is not positive definite.
+  void sort(const FrameInnovation& frame);
 
-  bool passes(double nis) const { return nis <= threshold_; }  // NaN does not
+  // Of the frame sorted last, by the place of the measurement.
+  bool accepts(std::size_t i) const { return is_accepted_[i] != 0; }
+  double nis(std::size_t i) const { return nis_[i]; }                            // on its own
+  double nis_given_others(std::size_t i) const { return nis_given_others_[i]; }  // those accepted
+  double joint_nis() const { return joint_nis_; }  // nu' S^-1 nu of all accepted
 
  private:
-  double threshold_;  // chi-square quantile with 2 degrees of freedom, in closed form
+  using Block = Eigen::Matrix2d;
+  Block S(std::size_t i, std::size_t j) const;
+  void keep_those_that_agree_with_one(const FrameInnovation& frame);
+  void accept(const FrameInnovation& frame);
+  void drop_worst();
+  void drop(std::size_t k);
+  bool admit_others(const FrameInnovation& frame);
+  double given_accepted(const FrameInnovation& frame, std::size_t i) const;
+
+  double alone_, given_others_;  // thresholds
   double variance_;
+  double joint_nis_ = 0.0;
+  std::vector<char> is_accepted_;
+  std::vector<double> nis_, nis_given_others_;
+  std::vector<std::size_t> set_, agree_, most_;  // places of measurements
+  GrowingMatrix S_;                              // of all
+  GrowingMatrix L_, B_, a_;                      // of the set, in its order: S = L L', B, a
+  GrowingMatrix gain_, columns_;
 };
 
 }  // namespace slammot

@@ -61,7 +61,7 @@ inline std::map<std::string, double>& own_numbers() {
 }
 
 struct ClassifierOptions {
-  std::string name = "thesis";    // a row of classifier_table()
+  std::string name = "odds";      // a row of classifier_table()
   double static_threshold = 1.6;  // t_s [(m/s)^-3], thesis (3.1)
   double moving_threshold =
       3.583;                    // t_m, thesis (3.2): sqrt of the 0.995 quantile of chi-square(3)
@@ -77,15 +77,22 @@ struct LabelOptions {
   int window = 10;            // reversible: innovations in the test of a static label
   double probability = 1e-4;  // reversible: of a right label being rejected in a frame
   FirstFrameLabels first_frame = FirstFrameLabels::kOdds;
-  int start = 10;       // odds: frames after which the first frame's labels are decided
+  int start = 1;        // odds: frames after which the first frame's labels are decided
   int start_over = 40;  // odds: frames in which one that is rejected starts the run over
+};
+
+// Of a correct measurement passing, on its own and given all others that passed (gate.h); 1: not
+// asked.
+struct GateOptions {
+  double probability = 0.95;
+  double given_others = 0.999;
 };
 
 struct ModelOptions {
   std::string landmark = "scaled_velocity";  // a row of landmark_table()
   std::string point = "inverse_depth";       // of its position: a row of point_table()
   Collapse collapse = Collapse::kCondition;
-  double gate_probability = 0.95;  // of a correct measurement passing the chi-square gate
+  GateOptions gate;
   ClassifierOptions classifier;
   LabelOptions labels;
   TrackPolicy policy;

@@ -22,11 +22,20 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
   }
   state_.camera = setup.initial.state;
   state_.covariance.append({}, setup.initial.sigmas().cwiseAbs2().asDiagonal().toDenseMatrix());
+  const bool corrects_clones = options.linearisation == FilterLinearisation::kStandard ||
+                               options.linearisation == FilterLinearisation::kIdeal;
+  if (options.lag > 0 && (options.deferred || !corrects_clones)) {
+    throw std::invalid_argument(
+        "ekf.lag needs linearisation standard or ideal, and no ekf.deferred");
+  }
   const LandmarkPrior& prior = setup.prior;
   if (prior.mean_sigma > 0.0) {
     const Eigen::MatrixXd variance =
         Eigen::MatrixXd::Constant(1, 1, prior.mean_sigma * prior.mean_sigma);
     state_.scene = {prior.inverse_depth, state_.covariance.append({}, variance)};
+  }
+  for (int i = 0; i < options.lag; ++i) {
+    state_.clones.emplace_back().block = state_.covariance.append({}, Matrix6d::Zero());
   }
 }
 
@@ -36,6 +45,7 @@ void Ekf::predict(const Frame& frame, double dt) {
   frame_ = frame.index;
   ++frames_;
   if (dt == 0.0) return;
+  if (!state_.clones.empty()) state_.clone_pose(clone_of(frames_ - 1));
   const CameraState at = linearisation_.camera(state_);
   state_.covariance.propagate({JointState::kCamera}, predict_jacobian(at, dt),
                               camera_noise(setup_.camera_noise, at, dt));
@@ -56,10 +66,12 @@ void Ekf::add_known(const KnownLandmark& known) {
   insert(known.track, here.y, block);
 }
 
-void Ekf::innovations(std::span<const Observation> measured, std::vector<PixelInnovation>& result) {
+void Ekf::innovations(std::span<const Observation> measured, FrameInnovation& result) {
   linearise(state_, linearisation_, setup_.camera, measured, innovation_);
-  covariances(state_, innovation_, result);
-  measured_ = result.size();
+  result.z = innovation_.matches;
+  result.nu = innovation_.nu;
+  fill_HPHt(state_, innovation_, result.HPHt);
+  measured_ = result.z.size();
 }
 
 // One update for all. `delayed`: what is not classified yet moves only itself, after the others.
@@ -149,6 +161,18 @@ void Ekf::finish() {
 
 CameraEstimate Ekf::camera() const {
   return {0.0, state_.camera, state_.covariance.block(JointState::kCamera, JointState::kCamera)};
+}
+
+FilterClone& Ekf::clone_of(int frame) {
+  return state_.clones[static_cast<std::size_t>(frame) % state_.clones.size()];
+}
+
+std::optional<PoseEstimate> Ekf::pose_before(int frames) const {
+  if (frames > std::ssize(state_.clones) || frames >= frames_) return std::nullopt;
+  const auto at = static_cast<std::size_t>(frames_ - frames) % state_.clones.size();
+  const FilterClone& clone = state_.clones[at];
+  return PoseEstimate{clone.position, clone.orientation,
+                      state_.covariance.block(clone.block, clone.block)};
 }
 
 void Ekf::points(std::vector<LandmarkPoint>& result) {

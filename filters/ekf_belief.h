@@ -16,8 +16,7 @@ class Ekf final : public Belief {
 
   void predict(const Frame& frame, double dt) override;
   void add_known(const KnownLandmark& known) override;
-  void innovations(std::span<const Observation> measured,
-                   std::vector<PixelInnovation>& result) override;
+  void innovations(std::span<const Observation> measured, FrameInnovation& result) override;
   void update(const TrackRecords& records, std::span<const Observation> accepted,
               StageListener& stages) override;
   void leave_one_out(std::vector<LeaveOneOut>& result) override;
@@ -31,6 +30,7 @@ class Ekf final : public Belief {
 
   int state_size() const override { return state_.size(); }
   CameraEstimate camera() const override;
+  std::optional<PoseEstimate> pose_before(int frames) const override;
   void points(std::vector<LandmarkPoint>& result) override;
   std::vector<LandmarkBelief> landmarks(std::span<const int> tracks) const override;
 
@@ -39,6 +39,7 @@ class Ekf final : public Belief {
  private:
   void predict_landmark(int track, FilterLandmark& landmark, double dt);
   void condition_on_rest(std::span<const int> tracks);
+  FilterClone& clone_of(int frame);
   StateBlock append_new(const NewLandmark& at, const LandmarkPrior& prior, int dim);
   FilterAnchor& anchor_here();
   void insert(int track, const Eigen::Vector3d& y, StateBlock block);

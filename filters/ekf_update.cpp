@@ -70,28 +70,6 @@ void rows_of_H(const JointState& state, const Innovation& z, std::size_t i, cons
         h.J_y.lazyProduct(x.template middleRows<3>(landmark.y_block.offset));
 }
 
-// The lower triangle of S = H P H' + sigma^2 I: the camera's part of all matches in one product,
-// then each landmark's.
-void fill_S(const JointState& state, double pixel_variance, Innovation& z) {
-  z.S.resize(z.rows(), z.rows());
-  auto S = *z.S;
-  const auto P_Ht = *z.P_Ht;
-  stack_J_pose(z);  // some matches may have gone since P H' was filled
-  S.noalias() = *z.J_pose * P_Ht.topRows<6>();
-  for (std::size_t i = 0; i < z.matches.size(); ++i) {
-    const ObservedPixel& h = z.predicted[i];
-    const FilterLandmark& landmark = state.landmarks.at(z.matches[i].track);
-    const int anchor = state.anchors.at(landmark.anchor).block.offset;
-    const auto row = static_cast<Index>(2 * i);
-    for (Index column = 0; column < row + 2; ++column) {
-      S.block<2, 1>(row, column) +=
-          h.J_anchor.lazyProduct(P_Ht.block<3, 1>(anchor, column)) +
-          h.J_y.lazyProduct(P_Ht.block<3, 1>(landmark.y_block.offset, column));
-    }
-  }
-  S.diagonal().array() += pixel_variance;
-}
-
 // W := W L'^-1, by halves: OpenBLAS's triangular solve with AVX-512 kernels is much slower than its
 // product.
 void solve_on_the_right(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::MatrixXd> W) {
@@ -130,7 +108,7 @@ void solve(Innovation& z) {
 void relinearise(const JointState& prior, const Linearisation& linearisation, const Camera& camera,
                  const Innovation& first, Innovation& z) {
   const Eigen::VectorXd dx = *z.dx;
-  JointState iterate{prior.camera, prior.scene, prior.anchors, prior.landmarks, {}, {}};
+  JointState iterate{prior.camera, prior.scene, prior.anchors, prior.landmarks, {}, {}, {}};
   iterate.move(dx);
   const Eigen::Matrix3d J_r = right_jacobian_so3(dx.segment<3>(kRotation));
   z.nu = first.nu;
@@ -173,15 +151,23 @@ void linearise(const JointState& state, const Linearisation& linearisation, cons
   fill_P_Ht(state, result);
 }
 
-void covariances(const JointState& state, const Innovation& z,
-                 std::vector<PixelInnovation>& result) {
-  result.clear();
+// The camera's part of all matches in one product, then each landmark's.
+void fill_HPHt(const JointState& state, Innovation& z, GrowingMatrix& result) {
+  result.resize(z.rows(), z.rows());
+  auto S = *result;
+  const auto P_Ht = *z.P_Ht;
+  stack_J_pose(z);  // some matches may have gone since P H' was filled
+  S.noalias() = *z.J_pose * P_Ht.topRows<6>();
   for (std::size_t i = 0; i < z.matches.size(); ++i) {
-    const auto columns = (*z.P_Ht).middleCols<2>(static_cast<Index>(2 * i));
-    PixelInnovation& pixel = result.emplace_back();
-    pixel.z = z.matches[i];
-    pixel.nu = z.nu[i];
-    rows_of_H(state, z, i, columns, pixel.HPHt);
+    const ObservedPixel& h = z.predicted[i];
+    const FilterLandmark& landmark = state.landmarks.at(z.matches[i].track);
+    const int anchor = state.anchors.at(landmark.anchor).block.offset;
+    const auto row = static_cast<Index>(2 * i);
+    for (Index column = 0; column < row + 2; ++column) {
+      S.block<2, 1>(row, column) +=
+          h.J_anchor.lazyProduct(P_Ht.block<3, 1>(anchor, column)) +
+          h.J_y.lazyProduct(P_Ht.block<3, 1>(landmark.y_block.offset, column));
+    }
   }
 }
 
@@ -212,7 +198,8 @@ void update(JointState& state, const Linearisation& linearisation, const Camera&
   if (iterations > 1) first = innovation;
   for (int i = 0; i < iterations; ++i) {
     if (i > 0) relinearise(state, linearisation, camera, *first, innovation);
-    fill_S(state, pixel_variance, innovation);
+    fill_HPHt(state, innovation, innovation.S);
+    (*innovation.S).diagonal().array() += pixel_variance;
     solve(innovation);
   }
   state.covariance.subtract_outer(*innovation.P_Ht);
@@ -242,7 +229,8 @@ void update_alone(JointState& state, const Linearisation& linearisation, const C
                   const Observation& match, double pixel_variance, Innovation& memory) {
   linearise(state, linearisation, camera, {&match, 1}, memory);
   if (memory.rows() == 0) return;
-  fill_S(state, pixel_variance, memory);
+  fill_HPHt(state, memory, memory.S);
+  (*memory.S).diagonal().array() += pixel_variance;
   const Eigen::Matrix2d S = Eigen::Matrix2d(*memory.S).selfadjointView<Eigen::Lower>();
   const FilterLandmark& landmark = state.landmarks.at(match.track);
   const auto P_Ht = *memory.P_Ht;

@@ -28,9 +28,8 @@ struct Innovation {
 void linearise(const JointState& state, const Linearisation& linearisation, const Camera& camera,
                std::span<const Observation> matches, Innovation& result);
 
-// nu and H P H' of each match on its own.
-void covariances(const JointState& state, const Innovation& innovation,
-                 std::vector<PixelInnovation>& result);
+// H P H' of all matches, its lower triangle.
+void fill_HPHt(const JointState& state, Innovation& innovation, GrowingMatrix& result);
 
 // Only these of the matches, in their order, are left.
 void keep(std::span<const Observation> accepted, Innovation& innovation);

@@ -143,7 +143,7 @@ void Linearisation::correct(JointState& state, Eigen::Ref<const Eigen::VectorXd>
   if (kind_ == Kind::kStandard) {
     state.correct(dx);
   } else if (kind_ == Kind::kInvariant) {
-    const JointState before{state.camera, state.scene, state.anchors, state.landmarks, {}, {}};
+    const JointState before{state.camera, state.scene, state.anchors, state.landmarks, {}, {}, {}};
     state.move(dx);
     invariant_reset(functions_.point, before, state);
   } else {

@@ -44,6 +44,9 @@ class Batch final : public Estimator {
     return report;
   }
   CameraEstimate camera() const override { return front_->camera(); }
+  std::optional<PoseEstimate> pose_before(int frames) const override {
+    return front_->pose_before(frames);
+  }
   std::vector<LandmarkEstimate> landmarks() const override {
     return landmarks_ ? *landmarks_ : front_->landmarks();
   }

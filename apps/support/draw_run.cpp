@@ -76,10 +76,11 @@ class Painter {
     const cv::Mat map = draw_map(plane_, map_size(seen.size()), state, path_, truth_);
     return picture_page(
         seen, map,
-        fmt::format("{}, frame {}, {:.2f} s: {} landmarks. blue static, green unknown, red moving, "
-                    "cyan not found; truth grey",
-                    estimator, frame.index, frame.timestamp - sequence_.frames.front().timestamp,
-                    state.landmarks.size()));
+        fmt::format(
+            "{}, frame {}, {:.2f} s: {} landmarks. blue discs static, purple squares unknown, "
+            "red diamonds moving, light blue not found; truth grey",
+            estimator, frame.index, frame.timestamp - sequence_.frames.front().timestamp,
+            state.landmarks.size()));
   }
 
  private:
@@ -106,6 +107,7 @@ int draw_run(const Path& folder, const Sequence& sequence, const Path& output,
     film.add(sequence.frames[i].index, painter.paint(estimate, i, run.estimator));
     if (progress) progress(k + 1, total);
   }
+  film.finish();
   return total;
 } catch (const cv::Exception& error) {
   throw std::runtime_error(fmt::format("OpenCV: {}", error.err));

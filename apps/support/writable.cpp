@@ -42,6 +42,7 @@ void require_writable_folder(const fs::path& folder) {
 
 void require_writable_file(const fs::path& file) {
   if (fs::is_directory(file)) refuse(file, "a folder");
+  if (fs::exists(file) && !fs::is_regular_file(file)) return;  // a device or a pipe
   const fs::path folder = fs::absolute(file).parent_path();
   if (const int error = probe(folder)) refuse(file, std::strerror(error));
 }

@@ -1,6 +1,7 @@
 #include "datasets/native/native_settings.h"
 
 #include "datasets/native/native_format.h"
+#include "datasets/sequence/plausible.h"
 #include "datasets/text/yaml_map.h"
 
 namespace slammot {
@@ -23,6 +24,7 @@ Camera read_camera(YamlMap map) {
     map.refuse(map.take("model"), error.what());
   }
   map.finish();
+  if (const Fault fault = camera_fault(camera)) map.refuse(map.take("model"), *fault);
   return camera;
 }
 
@@ -61,6 +63,9 @@ void read_settings(const std::filesystem::path& file, const std::string& text, S
     map.refuse(map.take("format"), fmt::format("'format' must be '{}'", native::kFormat));
   }
   sequence.name = map.text("name");
+  if (const std::string fault = folder_name_fault(sequence.name); !fault.empty()) {
+    map.refuse(map.take("name"), "'name' " + fault);  // of the folder of a run
+  }
   sequence.camera = read_camera(map.map("camera"));
   sequence.pixel_sigma = map.positive("pixel_sigma");
   if (map.has("motion")) sequence.motion = read_motion(map.map("motion"));
@@ -76,9 +81,9 @@ InitialCamera read_initial(const std::filesystem::path& file, const std::string&
   YamlMap map = load_yaml(file, text);
   InitialCamera initial;
   initial.state.position = map.vector<3>("position");
-  const auto q = unit_quaternion(Eigen::Quaterniond(map.vector<4>("quaternion")));
-  if (!q) map.refuse(map.take("quaternion"), "the quaternion has length zero");
-  initial.state.orientation = *q;
+  const Eigen::Quaterniond q(map.vector<4>("quaternion"));
+  if (const Fault fault = quaternion_fault(q)) map.refuse(map.take("quaternion"), *fault);
+  initial.state.orientation = unit_quaternion(q);
   initial.state.velocity = map.vector<3>("velocity");
   initial.state.angular_velocity = map.vector<3>("angular_velocity");
   read_initial_sigmas(map.map("sigma"), initial);
@@ -86,11 +91,14 @@ InitialCamera read_initial(const std::filesystem::path& file, const std::string&
   return initial;
 }
 
-std::optional<Eigen::Quaterniond> unit_quaternion(const Eigen::Quaterniond& q) {
-  const double squared = q.squaredNorm();
-  if (squared < 1e-12) return std::nullopt;
+Eigen::Quaterniond unit_quaternion(const Eigen::Quaterniond& q) {
   constexpr double kRounding = 1e-15;
-  return std::abs(squared - 1.0) < kRounding ? q : q.normalized();
+  return std::abs(q.squaredNorm() - 1.0) < kRounding ? q : q.normalized();
+}
+
+Eigen::Quaterniond unit_quaternion(const TextTable& table, const Eigen::Quaterniond& q) {
+  table.refuse_if(quaternion_fault(q));
+  return unit_quaternion(q);
 }
 
 }  // namespace slammot

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "datasets/sequence/sequence.h"
+#include "datasets/text/text_table.h"
 
 namespace slammot {
 
@@ -14,8 +15,9 @@ Camera read_camera_file(const std::filesystem::path& file, const std::string& te
 // initial.yaml.
 InitialCamera read_initial(const std::filesystem::path& file, const std::string& text);
 
-// A quaternion as it stands if its length is one to double precision, else normalised; nothing if
-// its length is zero.
-std::optional<Eigen::Quaterniond> unit_quaternion(const Eigen::Quaterniond& q);
+// A quaternion as it stands if its length is one to double precision, else normalised.
+Eigen::Quaterniond unit_quaternion(const Eigen::Quaterniond& q);
+// The same of a row, which is refused where it is no rotation.
+Eigen::Quaterniond unit_quaternion(const TextTable& table, const Eigen::Quaterniond& q);
 
 }  // namespace slammot

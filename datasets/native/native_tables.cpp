@@ -7,6 +7,7 @@
 
 #include "datasets/native/native_format.h"
 #include "datasets/native/native_settings.h"
+#include "datasets/sequence/plausible.h"
 #include "datasets/text/text_table.h"
 
 namespace slammot {
@@ -26,7 +27,7 @@ void read_frames(const std::filesystem::path& file, std::string_view text, Seque
   constexpr std::string_view headers[] = {native::kFramesHeader, native::kFramesWithImagesHeader};
   TextTable table(file, text);
   const size_t columns = 2 + table.expect_header(headers);
-  while (table.next_comma_row(columns)) {
+  while (table.next_comma_row_and_rest(columns)) {
     Frame frame;
     frame.index = table.count(0);
     frame.timestamp = table.real(1);
@@ -34,10 +35,9 @@ void read_frames(const std::filesystem::path& file, std::string_view text, Seque
       table.refuse(
           fmt::format("frame {} stands where frame {} must", frame.index, sequence.frames.size()));
     }
-    if (!sequence.frames.empty() && !(frame.timestamp > sequence.frames.back().timestamp)) {
-      table.refuse(fmt::format("timestamp {} does not follow {}: they must increase",
-                               table.field(1), sequence.frames.back().timestamp));
-    }
+    table.refuse_if(sequence.frames.empty()
+                        ? time_fault(frame.timestamp)
+                        : step_fault(sequence.frames.back().timestamp, frame.timestamp));
     sequence.frames.push_back(std::move(frame));
     if (columns == 3) sequence.images.emplace_back(table.field(2));
   }
@@ -57,13 +57,16 @@ std::int64_t key(const ObservationRow& row) {
   return (std::int64_t{row.frame} << 32) + row.observation.track;
 }
 
-std::vector<ObservationRow> observation_rows(TextTable& table, size_t frames) {
+std::vector<ObservationRow> observation_rows(TextTable& table, size_t frames,
+                                             const Camera& camera) {
   constexpr std::string_view headers[] = {native::kObservationsHeader};
   table.expect_header(headers);
   std::vector<ObservationRow> rows;
   while (table.next_comma_row(4)) {
     const int frame = existing_frame(table, 0, frames);
-    rows.push_back({frame, {table.count(1), {table.real(2), table.real(3)}}, table.line()});
+    const Eigen::Vector2d pixel(table.real(2), table.real(3));
+    table.refuse_if(pixel_fault(camera, pixel));
+    rows.push_back({frame, {table.count(1), pixel}, table.line()});
   }
   const auto before = [](const auto& a, const auto& b) { return key(a) < key(b); };
   if (!std::is_sorted(rows.begin(), rows.end(), before)) {
@@ -75,9 +78,9 @@ std::vector<ObservationRow> observation_rows(TextTable& table, size_t frames) {
 }  // namespace
 
 void read_observations(const std::filesystem::path& file, std::string_view text,
-                       std::vector<Frame>& frames) {
+                       const Camera& camera, std::vector<Frame>& frames) {
   TextTable table(file, text);
-  const std::vector<ObservationRow> rows = observation_rows(table, frames.size());
+  const std::vector<ObservationRow> rows = observation_rows(table, frames.size(), camera);
   for (size_t i = 0; i < rows.size(); ++i) {
     if (i > 0 && key(rows[i]) == key(rows[i - 1])) {
       throw InputError(file, rows[i].line,
@@ -93,14 +96,11 @@ std::vector<TimedPose> read_poses(const std::filesystem::path& file, std::string
   std::vector<TimedPose> poses;
   while (table.next_blank_row(8)) {
     const Eigen::Vector4d xyzw(table.real(4), table.real(5), table.real(6), table.real(7));
-    const auto q = unit_quaternion(Eigen::Quaterniond(xyzw));
-    if (!q) table.refuse("the quaternion has length zero");
+    const Eigen::Quaterniond q = unit_quaternion(table, Eigen::Quaterniond(xyzw));
     const double timestamp = table.real(0);
-    if (!poses.empty() && !(timestamp > poses.back().timestamp)) {
-      table.refuse(fmt::format("timestamp {} does not follow {}: they must increase",
-                               table.field(0), poses.back().timestamp));
-    }
-    poses.push_back({timestamp, vector_at(table, 1), *q});
+    table.refuse_if(poses.empty() ? time_fault(timestamp)
+                                  : order_fault(poses.back().timestamp, timestamp));
+    poses.push_back({timestamp, vector_at(table, 1), q});
   }
   return poses;
 }

@@ -11,7 +11,7 @@ void read_frames(const std::filesystem::path& file, std::string_view text, Seque
 
 // observations.csv, in any order: fills the observations of the frames.
 void read_observations(const std::filesystem::path& file, std::string_view text,
-                       std::vector<Frame>& frames);
+                       const Camera& camera, std::vector<Frame>& frames);
 
 // groundtruth.tum.
 std::vector<TimedPose> read_poses(const std::filesystem::path& file, std::string_view text);

@@ -2,15 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <iterator>
 
 #include "datasets/native/native_format.h"
+#include "datasets/native/native_settings.h"
+#include "datasets/native/native_tables.h"
+#include "datasets/output/output_files.h"
+#include "datasets/output/output_folder.h"
 
 namespace slammot {
 namespace {
 
 using Text = fmt::memory_buffer;
+using Texts = std::map<std::string_view, std::string>;  // by file name
 
 // "{}" of a double is the shortest text that reads back to the same bits.
 template <typename... Args>
@@ -42,7 +46,7 @@ std::string quoted(const std::string& name) {
 
 Text settings_text(const Sequence& s) {
   Text text;
-  put(text, "format: {}\nname: {}\n", native::kFormat, quoted(s.name));
+  put(text, "{}\nformat: {}\nname: {}\n", kSequenceOutput.begins, native::kFormat, quoted(s.name));
   const Camera& c = s.camera;
   put(text, "camera: {{model: {}, width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}",
       lens_name(c.lens), c.width, c.height, c.fx, c.fy, c.cx, c.cy);
@@ -131,31 +135,64 @@ Text initial_text(const InitialCamera& initial) {
   return text;
 }
 
-void write_file(const std::filesystem::path& file, const Text& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-  stream.close();
-  if (!stream) throw std::runtime_error(file.string() + ": cannot be written");
+Texts texts_of(const Sequence& s, NativeParts parts) {
+  Texts texts;
+  const auto add = [&](std::string_view name, const Text& text) {
+    texts[name] = fmt::to_string(text);
+  };
+  add(native::kSettings, settings_text(s));
+  add(native::kFrames, frames_text(s));
+  if (parts == NativeParts::kAll) add(native::kObservations, observations_text(s));
+  if (!s.truth.empty()) add(native::kGroundTruth, poses_text(s));
+  if (!s.landmarks.empty()) add(native::kLandmarks, landmarks_text(s));
+  if (!s.known.empty()) add(native::kKnown, known_text(s));
+  if (s.initial) add(native::kInitial, initial_text(*s.initial));
+  return texts;
+}
+
+// Nothing is written that the reader would refuse, and no name that a line cannot hold.
+void require_readable(const std::filesystem::path& folder, const Texts& texts,
+                      const Sequence& sequence) try {
+  Sequence read;
+  read_settings(folder / native::kSettings, texts.at(native::kSettings), read);
+  read_frames(folder / native::kFrames, texts.at(native::kFrames), read);
+  const auto visit = [&](std::string_view name, const auto& reader) {
+    if (texts.contains(name)) reader(folder / name, texts.at(name));
+  };
+  using File = const std::filesystem::path&;
+  using Content = const std::string&;
+  visit(native::kObservations,
+        [&](File file, Content text) { read_observations(file, text, read.camera, read.frames); });
+  visit(native::kGroundTruth, [](File file, Content text) { read_poses(file, text); });
+  visit(native::kLandmarks,
+        [&](File file, Content text) { read_landmarks(file, text, read.frames.size()); });
+  visit(native::kKnown, [](File file, Content text) { read_known(file, text); });
+  visit(native::kInitial, [](File file, Content text) { read_initial(file, text); });
+  if (read.name != sequence.name || read.images != sequence.images) {
+    throw InputError(folder, 0, "a name contains a control character");
+  }
+} catch (const InputError& error) {
+  throw std::invalid_argument(std::string("cannot be written: ") + error.what());
 }
 
 }  // namespace
 
-void write_native(const Sequence& sequence, const std::filesystem::path& folder) {
+void write_native(const Sequence& sequence, const std::filesystem::path& folder,
+                  NativeParts parts) {
+  const Texts texts = texts_of(sequence, parts);
+  require_readable(folder, texts, sequence);
   std::filesystem::create_directories(folder);
-  const auto write = [&](std::string_view name, const Text& text) {
-    write_file(folder / name, text);
-  };
-  write(native::kSettings, settings_text(sequence));
-  write(native::kFrames, frames_text(sequence));
-  write(native::kObservations, observations_text(sequence));
+  OutputFiles files;
   for (const auto name :
-       {native::kGroundTruth, native::kLandmarks, native::kKnown, native::kInitial}) {
-    std::filesystem::remove(folder / name);
+       {native::kSettings, native::kFrames, native::kObservations, native::kGroundTruth,
+        native::kLandmarks, native::kKnown, native::kInitial}) {
+    if (texts.contains(name)) {
+      files.write(folder / name, texts.at(name));
+    } else {
+      files.leave_out(folder / name);
+    }
   }
-  if (!sequence.truth.empty()) write(native::kGroundTruth, poses_text(sequence));
-  if (!sequence.landmarks.empty()) write(native::kLandmarks, landmarks_text(sequence));
-  if (!sequence.known.empty()) write(native::kKnown, known_text(sequence));
-  if (sequence.initial) write(native::kInitial, initial_text(*sequence.initial));
+  files.put_in_place();
 }
 
 }  // namespace slammot

@@ -6,9 +6,13 @@
 
 namespace slammot {
 
-// Makes the folder if need be and overwrites the files of a sequence in it; optional files that
-// this sequence does not have are removed. Frames are numbered 0, 1, 2...; throws
-// std::invalid_argument if they are not, std::runtime_error if a file cannot be written.
-void write_native(const Sequence& sequence, const std::filesystem::path& folder);
+enum class NativeParts { kAll, kWithoutObservations };
+
+// Makes the folder if need be and replaces the files of a sequence in it, all or none; optional
+// files that this sequence does not have are removed: ask require_output() first. Frames are
+// numbered 0, 1, 2...; throws std::invalid_argument if they are not, or for what the reader would
+// refuse, and std::runtime_error if a file cannot be written.
+void write_native(const Sequence& sequence, const std::filesystem::path& folder,
+                  NativeParts parts = NativeParts::kAll);
 
 }  // namespace slammot

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "datasets/native/native_settings.h"
+#include "datasets/sequence/plausible.h"
 #include "datasets/sequence/sha256.h"
 #include "datasets/sequence/true_poses.h"
 #include "datasets/text/text_table.h"
@@ -20,6 +21,8 @@ constexpr std::string_view kBeginning = "numOfFrames:";
 // The author's camera axes as ours: half a turn about z.
 const Eigen::Quaterniond author_to_ours(0.0, 0.0, 0.0, 1.0);
 
+constexpr Camera kCamera{320, 240, 170.0, 170.0, 160.0, 120.0, PinholeLens{}};
+
 bool starts(const TextTable& table, std::string_view word) { return table.field(0) == word; }
 
 void expect(TextTable& table, std::string_view word, size_t count) {
@@ -31,9 +34,8 @@ void expect(TextTable& table, std::string_view word, size_t count) {
 
 TimedPose read_pose(const TextTable& table) {
   const Eigen::Quaterniond wxyz(table.real(4), table.real(5), table.real(6), table.real(7));
-  const auto q = unit_quaternion(wxyz);
-  if (!q) table.refuse("the quaternion has length zero");
-  return {table.count(0) / kRate, vector_at(table, 1), *q * author_to_ours};
+  return {table.count(0) / kRate, vector_at(table, 1),
+          unit_quaternion(table, wxyz) * author_to_ours};
 }
 
 void read_cameras(TextTable& table, Sequence& sequence) {
@@ -61,6 +63,7 @@ void read_projection(const TextTable& table, int track, Sequence& sequence, True
   }
   const Eigen::Vector2d pixel(table.real(moving ? 4 : 1), table.real(moving ? 5 : 2));
   if (pixel == Eigen::Vector2d(-1, -1)) return;  // not seen
+  table.refuse_if(pixel_fault(sequence.camera, pixel));
   auto& observations = sequence.frames[static_cast<size_t>(frame)].observations;
   if (!observations.empty() && observations.back().track == track) {
     table.refuse(fmt::format("point {} stands twice in frame {}", track, frame));
@@ -113,11 +116,6 @@ void difference_positions(TrueLandmark& landmark) {
 }
 
 void state_what_the_author_assumes(Sequence& sequence) {
-  sequence.camera.width = 320;
-  sequence.camera.height = 240;
-  sequence.camera.fx = sequence.camera.fy = 170.0;
-  sequence.camera.cx = 160.0;
-  sequence.camera.cy = 120.0;
   sequence.pixel_sigma = 2.0;
   sequence.motion = StatedMotion{6.0, 6.0};
   for (const Observation& z : sequence.frames.front().observations) {
@@ -142,6 +140,7 @@ Sequence read_author(const std::filesystem::path& folder) {
   Sequence sequence;
   sequence.folder = folder;
   sequence.name = std::filesystem::absolute(folder / "x").parent_path().filename().string();
+  sequence.camera = kCamera;
   Sha256 hash;
   hash.add(text);
   sequence.sha256 = hash.hex();
@@ -163,6 +162,7 @@ Sequence read_author(const std::filesystem::path& folder) {
 }
 
 bool is_author(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_regular_file(folder / kFile)) return false;  // a pipe would block
   std::ifstream stream(folder / kFile);
   std::string line;
   return std::getline(stream, line) && line.starts_with(kBeginning);

@@ -5,6 +5,7 @@
 
 #include "datasets/native/native_settings.h"
 #include "datasets/readers/foreign_images.h"
+#include "datasets/sequence/plausible.h"
 #include "datasets/text/yaml_map.h"
 
 namespace slammot {
@@ -28,15 +29,11 @@ struct CameraSensor {
 };
 
 Camera camera_of(YamlMap& map) {
-  const Eigen::Vector2d size = map.vector<2>("resolution");
+  const std::vector<int> size = map.counts("resolution");
+  if (size.size() != 2) map.refuse(map.take("resolution"), "'resolution' must have 2 numbers");
   const Eigen::Vector4d intrinsics = map.vector<4>("intrinsics");
-  Camera camera{static_cast<int>(size.x()),
-                static_cast<int>(size.y()),
-                intrinsics(0),
-                intrinsics(1),
-                intrinsics(2),
-                intrinsics(3),
-                PinholeLens{}};
+  Camera camera{size[0],       size[1],       intrinsics(0), intrinsics(1),
+                intrinsics(2), intrinsics(3), PinholeLens{}};
   const std::string model = map.text("distortion_model");
   const std::string ours = model == "radial-tangential" ? "radtan" : model;
   try {
@@ -44,6 +41,7 @@ Camera camera_of(YamlMap& map) {
   } catch (const std::invalid_argument& error) {
     map.refuse(map.take("distortion_model"), error.what());
   }
+  if (const Fault fault = camera_fault(camera)) map.refuse(map.take("intrinsics"), *fault);
   return camera;
 }
 
@@ -54,6 +52,9 @@ CameraSensor read_sensor(const Path& file) {
   const Eigen::Matrix<double, 16, 1> rows = map.map("T_BS").vector<16>("data");
   sensor.T_body_camera.matrix() =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(rows.data());
+  if (!is_rotation(sensor.T_body_camera.linear())) {
+    map.refuse(map.take("T_BS"), "'T_BS' is not a rotation and a translation");
+  }
   return sensor;
 }
 
@@ -67,11 +68,11 @@ std::vector<TimedPose> read_body_poses(const Path& file, const Eigen::Isometry3d
   std::vector<TimedPose> poses;
   while (next_data_row(table, columns)) {
     const Eigen::Quaterniond wxyz(table.real(4), table.real(5), table.real(6), table.real(7));
-    const auto q = unit_quaternion(wxyz);
-    if (!q) table.refuse("the quaternion has length zero");
-    const Eigen::Vector3d body(table.real(1), table.real(2), table.real(3));
-    poses.push_back({table.real(0) * kNanosecond, body + *q * T_body_camera.translation(),
-                     (*q * R_body_camera).normalized()});
+    const Eigen::Quaterniond q = unit_quaternion(table, wxyz);
+    const double time = table.real(0) * kNanosecond;
+    table.refuse_if(poses.empty() ? time_fault(time) : order_fault(poses.back().timestamp, time));
+    poses.push_back({time, vector_at(table, 1) + q * T_body_camera.translation(),
+                     (q * R_body_camera).normalized()});
   }
   return poses;
 }

@@ -1,8 +1,8 @@
 #include "datasets/readers/foreign_images.h"
 
-#include <fmt/format.h>
-
 #include <set>
+
+#include "datasets/sequence/plausible.h"
 
 namespace slammot {
 
@@ -17,10 +17,9 @@ Sequence foreign_sequence(const std::filesystem::path& folder) {
 }
 
 void add_image(const TextTable& table, double timestamp, std::string image, Sequence& sequence) {
-  if (!sequence.frames.empty() && !(timestamp > sequence.frames.back().timestamp)) {
-    table.refuse(fmt::format("timestamp {} does not follow {}: they must increase", timestamp,
-                             sequence.frames.back().timestamp));
-  }
+  table.refuse_if(sequence.frames.empty()
+                      ? time_fault(timestamp)
+                      : step_fault(sequence.frames.back().timestamp, timestamp));
   sequence.frames.push_back({static_cast<int>(sequence.frames.size()), timestamp, {}});
   sequence.images.push_back(std::move(image));
 }

@@ -5,6 +5,7 @@
 #include "datasets/readers/kitti_images.h"
 #include "datasets/readers/kitti_raw_images.h"
 #include "datasets/readers/tum_images.h"
+#include "datasets/text/text_table.h"
 
 namespace slammot {
 namespace {
@@ -31,7 +32,8 @@ const ImageReaderRow* find_image_reader(const std::filesystem::path& folder) {
 
 Sequence read_images(const std::filesystem::path& folder) try {
   if (!std::filesystem::is_directory(folder)) throw InputError(folder, 0, "no such folder");
-  const std::filesystem::directory_iterator listed(folder);  // throws where it may not be
+  require_utf8(folder, std::filesystem::absolute(folder).string());  // results name it
+  const std::filesystem::directory_iterator listed(folder);          // throws where it may not be
   const ImageReaderRow* row = find_image_reader(folder);
   if (row) return row->read(folder);
   std::string looked_for;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "datasets/readers/foreign_images.h"
+#include "datasets/sequence/plausible.h"
 
 namespace slammot {
 namespace {
@@ -24,9 +25,9 @@ std::vector<TimedPose> read_pose_rows(const Path& file, const Eigen::Vector3d& o
   while (table.next_blank_row(12)) {
     if (poses.size() == frames.size()) table.refuse("more poses than times");
     Eigen::Matrix<double, 3, 4> T;
-    for (int i = 0; i < 12; ++i) T(i / 4, i % 4) = table.real(static_cast<size_t>(i));
+    for (int i = 0; i < 12; ++i) T(i / 4, i % 4) = table.bounded(static_cast<size_t>(i));
     const Eigen::Matrix3d R = T.leftCols<3>();
-    if (!(std::abs(R.determinant() - 1.0) < 1e-2)) table.refuse("not a rotation");
+    if (!is_rotation(R)) table.refuse("not a rotation");
     poses.push_back({frames[poses.size()].timestamp, T.col(3) - R * offset,
                      Eigen::Quaterniond(R).normalized()});
   }
@@ -43,8 +44,6 @@ std::optional<Path> poses_file(const Sequence& sequence) {
   return std::nullopt;
 }
 
-}  // namespace
-
 std::optional<std::vector<double>> calibration_row(const Path& file, std::string_view text,
                                                    std::string_view key, size_t numbers) {
   TextTable table(file, text);
@@ -52,16 +51,29 @@ std::optional<std::vector<double>> calibration_row(const Path& file, std::string
     if (table.field(0) != std::string(key) + ":") continue;
     table.check_count(numbers + 1);
     std::vector<double> row;
-    for (size_t i = 1; i <= numbers; ++i) row.push_back(table.real(i));
+    for (size_t i = 1; i <= numbers; ++i) row.push_back(table.bounded(i));
     return row;
   }
   return std::nullopt;
 }
 
-RectifiedCamera rectified_camera(const std::vector<double>& P) {
+}  // namespace
+
+RectifiedCamera rectified_camera(const Path& file, const std::string& key) {
+  const auto P = required_calibration(file, key, 12);
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(P.data());
-  return {{0, 0, P[0], P[5], P[2], P[6], PinholeLens{}},
-          matrix.leftCols<3>().inverse() * matrix.col(3)};
+  const Camera camera{0, 0, P[0], P[5], P[2], P[6], PinholeLens{}};
+  if (const Fault fault = camera_fault(camera)) throw InputError(file, 0, key + ": " + *fault);
+  if (!(std::abs(matrix.leftCols<3>().determinant()) > kSmallest)) {
+    throw InputError(file, 0, key + ": the matrix has no inverse");
+  }
+  return {camera, matrix.leftCols<3>().inverse() * matrix.col(3)};
+}
+
+std::vector<double> required_calibration(const Path& file, const std::string& key, size_t numbers) {
+  const auto row = calibration_row(file, read_text_file(file), key, numbers);
+  if (!row) throw InputError(file, 0, fmt::format("no row '{}:'", key));
+  return *row;
 }
 
 void state_car(Sequence& sequence) {
@@ -93,10 +105,7 @@ Sequence read_kitti(const Path& folder) {
   }
   require_frames(times, sequence);
   const Path calibration = folder / "calib.txt";
-  const std::string key = fmt::format("P{}", camera);
-  const auto P = calibration_row(calibration, read_text_file(calibration), key, 12);
-  if (!P) throw InputError(calibration, 0, fmt::format("no row '{}:'", key));
-  const RectifiedCamera rectified = rectified_camera(*P);
+  const RectifiedCamera rectified = rectified_camera(calibration, fmt::format("P{}", camera));
   sequence.camera = rectified.camera;
   if (const auto poses = poses_file(sequence)) {
     sequence.truth =

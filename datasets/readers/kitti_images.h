@@ -18,17 +18,17 @@ namespace slammot {
 bool is_kitti(const std::filesystem::path& folder);
 Sequence read_kitti(const std::filesystem::path& folder);
 
-// A row of a KITTI calibration file, `KEY: numbers`; nothing if the key is not there.
-std::optional<std::vector<double>> calibration_row(const std::filesystem::path& file,
-                                                   std::string_view text, std::string_view key,
-                                                   size_t numbers);
+// A row of a KITTI calibration file, `KEY: numbers`; throws InputError if the key is not there.
+std::vector<double> required_calibration(const std::filesystem::path& file, const std::string& key,
+                                         size_t numbers);
 
-// A rectified camera from its 3x4 projection matrix by rows, and its place t in x_N = x_0 + t.
+// A rectified camera from its 3x4 projection matrix, the row `key` of a calibration file, and its
+// place t in x_N = x_0 + t.
 struct RectifiedCamera {
   Camera camera;           // width and height 0: not known here
   Eigen::Vector3d offset;  // t [m]
 };
-RectifiedCamera rectified_camera(const std::vector<double>& P);
+RectifiedCamera rectified_camera(const std::filesystem::path& file, const std::string& key);
 
 // Camera motion noise and a prior of depth and speed for a car in a street.
 void state_car(Sequence& sequence);

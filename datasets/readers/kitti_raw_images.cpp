@@ -5,6 +5,7 @@
 #include "datasets/readers/foreign_images.h"
 #include "datasets/readers/kitti_images.h"
 #include "datasets/readers/oxts.h"
+#include "datasets/sequence/plausible.h"
 
 namespace slammot {
 namespace {
@@ -29,21 +30,24 @@ std::optional<Path> calibration_file(const Path& folder, const char* name) {
   return std::nullopt;
 }
 
-std::vector<double> required_row(const Path& file, const std::string& key, size_t numbers) {
-  const auto row = calibration_row(file, read_text_file(file), key, numbers);
-  if (!row) throw InputError(file, 0, fmt::format("no row '{}:'", key));
-  return *row;
+Eigen::Matrix3d rotation(const Path& file, const std::string& key) {
+  const auto rows = required_calibration(file, key, 9);
+  const Eigen::Matrix3d R =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
+  if (!is_rotation(R)) throw InputError(file, 0, key + ": not a rotation");
+  return R;
 }
 
-Eigen::Matrix3d rotation_of(const std::vector<double>& rows) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
+int whole_pixels(const Path& file, double size) {
+  if (size >= 1.0 && size <= 1e5 && size == std::floor(size)) return static_cast<int>(size);
+  throw InputError(file, 0, fmt::format("{} px is no size of an image", size));
 }
 
 // `R:` and `T:` of a rigid calibration file.
 Eigen::Isometry3d rigid(const Path& file) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = rotation_of(required_row(file, "R", 9));
-  T.translation() = Eigen::Map<const Eigen::Vector3d>(required_row(file, "T", 3).data());
+  T.linear() = rotation(file, "R");
+  T.translation() = Eigen::Map<const Eigen::Vector3d>(required_calibration(file, "T", 3).data());
   return T;
 }
 
@@ -54,7 +58,7 @@ std::vector<std::optional<CameraState>> camera_truth(const Sequence& sequence, c
   const Path oxts = sequence.folder / "oxts";
   if (!imu_to_velo || !velo_to_cam || !std::filesystem::exists(oxts / "timestamps.txt")) return {};
   Eigen::Isometry3d rectify = Eigen::Isometry3d::Identity();
-  rectify.linear() = rotation_of(required_row(cameras, "R_rect_00", 9));
+  rectify.linear() = rotation(cameras, "R_rect_00");
   rectify.translation() = offset;
   const Eigen::Isometry3d T_camera_imu = rectify * rigid(*velo_to_cam) * rigid(*imu_to_velo);
   return interpolate_truth(camera_poses(read_oxts(oxts), T_camera_imu), sequence.frames);
@@ -80,12 +84,12 @@ Sequence read_kitti_raw(const Path& folder) {
   }
   require_frames(times, sequence);
   const Path cameras = *calibration_file(folder, kCameras);
-  const RectifiedCamera rectified =
-      rectified_camera(required_row(cameras, fmt::format("P_rect_0{}", camera), 12));
+  const RectifiedCamera rectified = rectified_camera(cameras, fmt::format("P_rect_0{}", camera));
   sequence.camera = rectified.camera;
-  const auto size = required_row(cameras, fmt::format("S_rect_0{}", camera), 2);
-  sequence.camera.width = static_cast<int>(size[0]);
-  sequence.camera.height = static_cast<int>(size[1]);
+  const auto size = required_calibration(cameras, fmt::format("S_rect_0{}", camera), 2);
+  sequence.camera.width = whole_pixels(cameras, size[0]);
+  sequence.camera.height = whole_pixels(cameras, size[1]);
+  if (const Fault fault = camera_fault(sequence.camera)) throw InputError(cameras, 0, *fault);
   sequence.truth = camera_truth(sequence, cameras, rectified.offset);
   state_car(sequence);
   return sequence;

@@ -28,9 +28,11 @@ Reading read_reading(const Path& file) {
   if (!table.next_blank_row(kFields)) table.refuse("is empty");
   constexpr double kDegree = std::numbers::pi / 180.0;
   const auto about = [&](size_t field, const Eigen::Vector3d& axis) {
-    return Eigen::AngleAxisd(table.real(field), axis);
+    return Eigen::AngleAxisd(table.bounded(field), axis);
   };
-  return {table.real(0) * kDegree, table.real(1) * kDegree, table.real(2),
+  if (!(std::abs(table.real(0)) < 90.0)) table.refuse("the latitude is not below 90 degrees");
+  if (!(std::abs(table.real(1)) <= 360.0)) table.refuse("the longitude is more than a turn");
+  return {table.real(0) * kDegree, table.real(1) * kDegree, table.bounded(2),
           about(5, Eigen::Vector3d::UnitZ()) * about(4, Eigen::Vector3d::UnitY()) *
               about(3, Eigen::Vector3d::UnitX())};
 }
@@ -55,7 +57,9 @@ double date_seconds(const TextTable& row) {
   const std::chrono::year_month_day date{std::chrono::year(year),
                                          std::chrono::month(static_cast<unsigned>(month)),
                                          std::chrono::day(static_cast<unsigned>(day))};
-  if (read != 6 || static_cast<size_t>(used) != text.size() || !date.ok()) {
+  const bool in_a_day = hour >= 0 && hour < 24 && minute >= 0 && minute < 60 && second >= 0.0 &&
+                        second < 61.0 && year >= 1970 && year < 10000;
+  if (read != 6 || !in_a_day || static_cast<size_t>(used) != text.size() || !date.ok()) {
     row.refuse(fmt::format("'{}' is not a date and a time", text));
   }
   const auto days = static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());

@@ -3,6 +3,7 @@
 #include "datasets/native/native_reader.h"
 #include "datasets/readers/author_reader.h"
 #include "datasets/readers/image_reader.h"
+#include "datasets/text/text_table.h"
 #include "models/find_row.h"
 
 namespace slammot {
@@ -27,6 +28,7 @@ void add_readers(std::span<const ReaderRow> rows) { add_rows(table(), rows, "rea
 
 Sequence read_sequence(const std::filesystem::path& folder) {
   if (!std::filesystem::is_directory(folder)) throw InputError(folder, 0, "no such folder");
+  require_utf8(folder, std::filesystem::absolute(folder).string());  // results name it
   std::string looked_for;
   for (const ReaderRow& row : reader_table()) {
     if (row.recognises(folder)) return row.read(folder);

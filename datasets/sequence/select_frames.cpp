@@ -27,10 +27,12 @@ void keep(std::vector<T>& values, const std::vector<size_t>& chosen) {
 
 Sequence select_frames(Sequence sequence, int first, int last, int step) {
   if (step < 1) throw std::invalid_argument("the frame step must be at least 1");
-  const int count = static_cast<int>(sequence.frames.size());
-  const int end = last < 0 ? count : std::min(last + 1, count);
+  const size_t count = sequence.frames.size();
+  const size_t end = last < 0 ? count : std::min(static_cast<size_t>(last) + 1, count);
   std::vector<size_t> chosen;
-  for (int i = std::max(first, 0); i < end; i += step) chosen.push_back(static_cast<size_t>(i));
+  for (auto i = static_cast<size_t>(std::max(first, 0)); i < end; i += static_cast<size_t>(step)) {
+    chosen.push_back(i);
+  }
   if (!chosen.empty()) sequence.initial = initial_at(sequence, chosen.front());
   keep(sequence.frames, chosen);
   keep(sequence.images, chosen);

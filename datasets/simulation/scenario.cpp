@@ -42,12 +42,24 @@ std::span<const ScenarioRow> scenario_table() { return table(); }
 
 void add_scenarios(std::span<const ScenarioRow> rows) { add_rows(table(), rows, "scenario"); }
 
+namespace {
+
+const ScenarioRow& find_scenario(std::string_view name) {
+  if (name == "matched") name = "model_matched";  // its name until release 0.1
+  return find_row(scenario_table(), name, "scenario");
+}
+
+}  // namespace
+
+std::vector<ScenarioParameter> scenario_parameters(std::string_view scenario) {
+  return find_scenario(scenario).parameters();
+}
+
 Sequence simulate(std::string_view scenario, const ScenarioOverrides& overrides,
                   std::uint64_t seed) {
-  if (scenario == "matched") scenario = "model_matched";  // its name until release 0.1
-  const ScenarioRow& row = find_row(scenario_table(), scenario, "scenario");
+  const ScenarioRow& row = find_scenario(scenario);
   Sequence sequence = row.simulate(row.name, overrides, seed);
-  sequence.name = fmt::format("{}-{}", scenario, seed);
+  sequence.name = fmt::format("{}-{}", row.name, seed);
   return sequence;
 }
 

@@ -23,6 +23,9 @@ struct ScenarioRow {
 };
 std::span<const ScenarioRow> scenario_table();
 
+// With their defaults. Throws std::invalid_argument for an unknown scenario.
+std::vector<ScenarioParameter> scenario_parameters(std::string_view scenario);
+
 // A scenario is its options, their parameters(options) and a function of options and seed.
 template <typename Options, Sequence (*Run)(const Options&, std::uint64_t)>
 constexpr ScenarioRow scenario_row(std::string_view name, std::string_view description) {

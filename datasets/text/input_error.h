@@ -5,11 +5,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "datasets/text/printable.h"
+
 namespace slammot {
 
 struct InputError : std::runtime_error {
   InputError(const std::filesystem::path& file, int line, const std::string& reason)
-      : std::runtime_error(file.string() + ":" + std::to_string(line) + ": " + reason) {}
+      : std::runtime_error(printable(file.string() + ":" + std::to_string(line) + ": " + reason)) {}
 };
 
 }  // namespace slammot

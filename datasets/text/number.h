@@ -7,6 +7,11 @@
 
 namespace slammot {
 
+// No metre, second, pixel or sigma of a real camera lies beyond; the squares, cubes and inverses of
+// what does are no numbers any more.
+inline constexpr double kLargest = 1e9;
+inline constexpr double kSmallest = 1e-9;
+
 // The whole text as a number, `nan` and `inf` included; nothing if it is none or out of range.
 template <typename T>
 std::optional<T> parse_number(std::string_view text) {

@@ -2,31 +2,41 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
 #include "datasets/text/input_error.h"
-#include "datasets/text/number.h"
 
 namespace slammot {
 
 std::string read_text_file(const std::filesystem::path& file) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) throw InputError(file, 0, "no such file");
+  if (!std::filesystem::is_regular_file(file, ignored)) {
+    throw InputError(file, 0, "cannot be read: not a regular file");  // a pipe would block
+  }
   std::ifstream stream(file, std::ios::binary);
   std::string text;
-  if (stream && std::filesystem::is_regular_file(file)) {
+  if (stream) {
     text.resize(std::filesystem::file_size(file));
     stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  } else {
-    stream.setstate(std::ios::failbit);
   }
   if (!stream) throw InputError(file, 0, "cannot be read");
   return text;
 }
 
+void require_utf8(const std::filesystem::path& file, std::string_view text) {
+  const size_t bad = invalid_utf8(text);
+  if (bad == std::string_view::npos) return;
+  const auto line = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(bad), '\n');
+  throw InputError(file, static_cast<int>(line) + 1, "is not UTF-8");
+}
+
 TextTable::TextTable(std::filesystem::path file, std::string_view text)
-    : file_(std::move(file)), rest_(text) {}
+    : file_(std::move(file)), rest_(text) {
+  require_utf8(file_, text);
+}
 
 void TextTable::refuse(const std::string& reason) const { throw InputError(file_, line_, reason); }
 
@@ -45,11 +55,12 @@ void TextTable::check_count(size_t count) const {
   refuse(fmt::format("expected {} fields, found {}", count, fields_.size()));
 }
 
-bool TextTable::next_comma_row(size_t count) {
+bool TextTable::next_comma_row(size_t count, bool rest) {
   if (!next_line()) return false;
   fields_.clear();
   for (std::string_view left = current_;;) {
-    const size_t comma = left.find(',');
+    const bool last = rest && fields_.size() + 1 == count;
+    const size_t comma = last ? std::string_view::npos : left.find(',');
     fields_.push_back(left.substr(0, comma));
     if (comma == std::string_view::npos) break;
     left.remove_prefix(comma + 1);
@@ -57,6 +68,10 @@ bool TextTable::next_comma_row(size_t count) {
   check_count(count);
   return true;
 }
+
+bool TextTable::next_comma_row(size_t count) { return next_comma_row(count, false); }
+
+bool TextTable::next_comma_row_and_rest(size_t count) { return next_comma_row(count, true); }
 
 bool TextTable::next_blank_row() {
   constexpr std::string_view blanks = " \t";
@@ -111,9 +126,16 @@ double TextTable::real_or_nan(size_t i) const {
   return std::isnan(value) ? value : real(i);
 }
 
-double TextTable::positive(size_t i) const {
+double TextTable::bounded(size_t i) const {
   const double value = real(i);
+  if (!(std::abs(value) <= kLargest)) refuse(fmt::format("'{}' is not plausible", fields_[i]));
+  return value;
+}
+
+double TextTable::positive(size_t i) const {
+  const double value = bounded(i);
   if (!(value > 0.0)) refuse(fmt::format("'{}' is not greater than zero", fields_[i]));
+  if (value < kSmallest) refuse(fmt::format("'{}' is not plausible", fields_[i]));
   return value;
 }
 

@@ -4,23 +4,32 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "datasets/text/number.h"
+
 namespace slammot {
 
-// The content of a file; throws InputError if it is missing or cannot be read.
+// The content of a file; throws InputError if it is missing, is a pipe or a folder, or cannot be
+// read.
 std::string read_text_file(const std::filesystem::path& file);
+
+// Refuses what is not UTF-8, with its line.
+void require_utf8(const std::filesystem::path& file, std::string_view text);
 
 class TextTable {
  public:
-  // `text` must outlive the table.
+  // `text` must outlive the table. Refuses what is not UTF-8.
   TextTable(std::filesystem::path file, std::string_view text);
 
   // Cuts the next line into exactly `count` fields; false after the last line.
   bool next_comma_row(size_t count);
+  // The last field is the rest of the line, commas and all: the name of a file may have some.
+  bool next_comma_row_and_rest(size_t count);
   // The same for fields between blanks, passing over empty lines and comments from '#'.
   bool next_blank_row(size_t count);
   bool next_blank_row();  // of any number of fields
@@ -34,15 +43,20 @@ class TextTable {
   std::string_view field(size_t i) const { return fields_[i]; }
   double real(size_t i) const;  // finite
   double real_or_nan(size_t i) const;
-  double positive(size_t i) const;
-  int count(size_t i) const;  // an integer >= 0
+  double bounded(size_t i) const;   // at most kLargest in magnitude
+  double positive(size_t i) const;  // from kSmallest to kLargest
+  int count(size_t i) const;        // an integer >= 0
 
   int line() const { return line_; }
   void check_count(size_t count) const;  // refuses a line with another number of fields
   [[noreturn]] void refuse(const std::string& reason) const;
+  void refuse_if(const std::optional<std::string>& reason) const {
+    if (reason) refuse(*reason);
+  }
 
  private:
   bool next_line();
+  bool next_comma_row(size_t count, bool rest);
   double number(size_t i) const;
 
   std::filesystem::path file_;
@@ -52,9 +66,9 @@ class TextTable {
   int line_ = 0;
 };
 
-// Three numbers from field `i` on.
+// Three bounded numbers from field `i` on.
 inline Eigen::Vector3d vector_at(const TextTable& table, size_t i) {
-  return {table.real(i), table.real(i + 1), table.real(i + 2)};
+  return {table.bounded(i), table.bounded(i + 1), table.bounded(i + 2)};
 }
 
 }  // namespace slammot

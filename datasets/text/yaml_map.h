@@ -10,6 +10,7 @@
 
 #include "datasets/text/input_error.h"
 #include "datasets/text/number.h"
+#include "datasets/text/text_table.h"
 
 namespace slammot {
 
@@ -39,6 +40,9 @@ class YamlMap {
   std::string text(const std::string& key) {
     const YAML::Node value = take(key);
     if (!value.IsScalar()) refuse(value, fmt::format("'{}' must be one value", key));
+    if (has_control_character(value.Scalar())) {
+      refuse(value, fmt::format("'{}' contains a control character", key));
+    }
     return value.Scalar();
   }
 
@@ -47,15 +51,28 @@ class YamlMap {
   double positive(const std::string& key) {
     const double value = real(key);
     if (!(value > 0.0)) refuse(take(key), fmt::format("'{}' must be greater than zero", key));
+    if (value < kSmallest) refuse(take(key), fmt::format("'{}' is not plausible", key));
     return value;
   }
 
   int positive_integer(const std::string& key) {
     const double value = positive(key);
-    if (value != std::floor(value) || value > 1e9) {
+    if (value != std::floor(value)) {
       refuse(take(key), fmt::format("'{}' must be a whole number", key));
     }
     return static_cast<int>(value);
+  }
+
+  // Whole numbers from zero on.
+  std::vector<int> counts(const std::string& key) {
+    std::vector<int> whole;
+    for (const double value : list(key)) {
+      if (value != std::floor(value) || value < 0.0) {
+        refuse(take(key), fmt::format("'{}' must be whole numbers, none negative", key));
+      }
+      whole.push_back(static_cast<int>(value));
+    }
+    return whole;
   }
 
   std::vector<double> list(const std::string& key) {
@@ -95,6 +112,7 @@ class YamlMap {
     const auto number = parse_number<double>(text);
     if (!number) refuse(value, fmt::format("'{}' must be a number, not '{}'", key, text));
     if (!std::isfinite(*number)) refuse(value, fmt::format("'{}' must be a finite number", key));
+    if (!(std::abs(*number) <= kLargest)) refuse(value, fmt::format("'{}' is not plausible", key));
     return *number;
   }
 
@@ -105,13 +123,18 @@ class YamlMap {
   std::set<std::string> asked_;
 };
 
-// A YAML file as a map; throws InputError with file and line for what is no YAML.
-inline YamlMap load_yaml(const std::filesystem::path& file, const std::string& text) {
+// A YAML document; throws InputError with file and line for what is no YAML.
+inline YAML::Node load_yaml_node(const std::filesystem::path& file, const std::string& text) {
+  require_utf8(file, text);
   try {
-    return {file, YAML::Load(text), "the file"};
+    return YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw InputError(file, error.mark.line + 1, error.msg);
   }
+}
+
+inline YamlMap load_yaml(const std::filesystem::path& file, const std::string& text) {
+  return {file, load_yaml_node(file, text), "the file"};
 }
 
 }  // namespace slammot

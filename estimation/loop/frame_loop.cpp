@@ -20,7 +20,7 @@ FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, MakeBelief 
       truth_for_view_(std::move(truth_for_view)),
       first_(models.labels),
       point_(find_point(models.point)),
-      gate_(models.gate_probability, setup.pixel_sigma) {
+      gate_(models.gate, setup.pixel_sigma) {
   start();
 }
 
@@ -109,7 +109,6 @@ double FrameLoop::time_since_last(const Frame& frame) {
   return dt;
 }
 
-// Each measurement on its own, against the predicted joint of camera and landmark.
 void FrameLoop::gate(const Frame& frame, FrameReport& report) {
   measured_.clear();
   in_view_.clear();
@@ -119,17 +118,20 @@ void FrameLoop::gate(const Frame& frame, FrameReport& report) {
   for (const Observation& z : frame.observations) {
     if (manager_->knows(z.track)) measured_.push_back(z);
   }
-  belief_->innovations(measured_, innovations_);
-  for (const PixelInnovation& innovation : innovations_) {
-    in_view_.push_back(innovation.z);
-    const double nis = gate_.nis(innovation.nu, innovation.HPHt);
-    if (gate_.passes(nis)) {
-      accepted_.push_back(innovation.z);
-      report.nis_sum += nis;
+  belief_->innovations(measured_, innovation_);
+  gate_.sort(innovation_);
+  for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
+    const Observation& z = innovation_.z[i];
+    in_view_.push_back(z);
+    if (gate_.accepts(i)) {
+      accepted_.push_back(z);
+      report.accepted_static += manager_->records().at(z.track).label == Label::kStatic ? 1 : 0;
+      report.nis_sum += gate_.nis(i);
     } else {
-      rejected_.push_back({innovation.z.track, nis});
+      rejected_.push_back({z.track, gate_.nis_given_others(i)});
     }
   }
+  report.joint_nis = gate_.joint_nis();
   auto expected = in_view_.begin();
   for (const Observation& z : measured_) {
     if (expected != in_view_.end() && expected->track == z.track) {

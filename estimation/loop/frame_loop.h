@@ -25,6 +25,9 @@ class FrameLoop final : public Estimator {
 
   FrameReport process(const Frame& frame, StageListener& stages) override;
   CameraEstimate camera() const override;
+  std::optional<PoseEstimate> pose_before(int frames) const override {
+    return belief_->pose_before(frames);
+  }
   std::vector<LandmarkEstimate> landmarks() const override;
   std::vector<LandmarkEstimate> landmarks_measured(int index) const override;
   std::vector<CameraEstimate> smoothed(StageListener& /*stages*/) override {
@@ -46,7 +49,7 @@ class FrameLoop final : public Estimator {
   std::shared_ptr<const Truth> truth_for_view_;
   FirstFrame first_;
   const PointFunctions& point_;
-  PixelGate gate_;
+  FrameGate gate_;
 
   // Made anew when the run starts over.
   std::unique_ptr<Belief> belief_;
@@ -55,7 +58,7 @@ class FrameLoop final : public Estimator {
 
   // Of the frame in hand; kept for their memory.
   std::vector<Observation> measured_, in_view_, accepted_;
-  std::vector<PixelInnovation> innovations_;
+  FrameInnovation innovation_;
   std::vector<LeaveOneOut> rejected_, given_others_;
   std::vector<int> out_of_view_;
   std::vector<LandmarkPoint> points_;

@@ -12,7 +12,8 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
       functions_(find_landmark(models.landmark, models.point)),
       classifier_(
           make_classifier(classifier_for(functions_, models.classifier), setup.true_labels)),
-      depth_prior_(learns_depths(models.depth_prior, !setup.known.empty()), setup.prior),
+      depth_prior_(learns_depths(models.depth_prior, setup.initial, !setup.known.empty()),
+                   setup.prior),
       truth_(std::move(truth_for_view)),
       first_(first) {
   if (!functions_.point.exists(Eigen::Vector3d::UnitZ(), setup.prior.inverse_depth)) {

@@ -2,57 +2,33 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <set>
 #include <stdexcept>
 
-#include "eval/compare/series.h"
+#include "datasets/output/output_files.h"
+#include "datasets/output/output_folder.h"
+#include "eval/compare/comparison_json.h"
+#include "eval/compare/pooled.h"
 #include "eval/configuration/registry.h"
-#include "eval/output/metrics_json.h"
 
 namespace slammot {
 namespace {
-
-Json sequence_json(const Sequence& sequence, const CompareOptions& options) {
-  return {{"name", sequence.name},
-          {"path", sequence.folder.string()},
-          {"sha256", sequence.sha256},
-          {"seed", options.seed ? Json(*options.seed) : Json()},
-          {"frames", sequence.frames.size()},
-          {"exact_truth", sequence.exact_truth},
-          {"width", sequence.camera.width},
-          {"height", sequence.camera.height},
-          {"pixel_sigma", sequence.pixel_sigma}};
-}
-
-void erase_series(Json& trajectory) {
-  if (trajectory.is_object() && trajectory["nees"].is_object()) trajectory["nees"].erase("series");
-}
 
 std::string landmark_of(const EstimatorRow& estimator, const Configuration& configuration) {
   return estimator.has_models ? configuration.model.landmark : "-";
 }
 
-Json run_json(const Sequence& sequence, const ComparedRun& row, const EvaluatedRun& done) {
-  const auto& [configuration, run, metrics] = done;
+ComparedEntry entry_of(const ComparedRun& row, const Configuration& configuration) {
   const EstimatorRow& estimator = find_estimator(row.estimator);
-  Json json = {{"label", row.label},
-               {"estimator", row.estimator},
-               {"kind", to_string(estimator.kind)},
-               {"oracle", is_oracle(estimator, configuration)},
-               {"landmark", landmark_of(estimator, configuration)},
-               {"folder", row.label}};
-  json["overrides"] = Json::object();
-  for (const Assignment& a : row.overrides) json["overrides"][a.key] = a.value;
-  json["configuration"] = Json::object();
-  for (const auto& [key, value] : key_values(configuration)) json["configuration"][key] = value;
-  json["metrics"] = metrics_json(metrics);
-  erase_series(json["metrics"]["filtered"]);
-  erase_series(json["metrics"]["smoothed"]);
-  json["series"] = filtered_series(sequence, run, metrics.filtered);
-  json["smoothed_series"] =
-      metrics.smoothed ? smoothed_series(sequence, run, *metrics.smoothed) : Json();
-  return json;
+  ComparedEntry entry{row.label,
+                      row.estimator,
+                      std::string(to_string(estimator.kind)),
+                      is_oracle(estimator, configuration),
+                      landmark_of(estimator, configuration),
+                      {},
+                      key_values(configuration)};
+  for (const Assignment& a : row.overrides) entry.overrides[a.key] = a.value;
+  return entry;
 }
 
 Configuration with_overrides(Configuration configuration, const ComparedRun& row) {
@@ -74,7 +50,8 @@ void check(const Configuration& configuration, const std::vector<ComparedRun>& r
 
 // Runs one row, writes its folder, and adds it to the JSON.
 NamedMetrics compare_one(const Sequence& sequence, const Configuration& base,
-                         const ComparedRun& row, const CompareOptions& options, Json& runs) {
+                         const ComparedRun& row, const CompareOptions& options, Json& json,
+                         Pool& pool) {
   DriveOptions drive_options;
   drive_options.landmarks_every_frame = options.landmarks_every_frame;
   if (options.progress) {
@@ -86,25 +63,59 @@ NamedMetrics compare_one(const Sequence& sequence, const Configuration& base,
             {options.command, row.estimator, sequence.folder, sequence.name, sequence.sha256,
              options.seed, done.configuration},
             done.run, done.metrics);
-  runs.push_back(run_json(sequence, row, done));
+  json["runs"].push_back(
+      run_json(sequence, entry_of(row, done.configuration), done.run, done.metrics));
+  json["runs"].back()["pooled"] = row.label;
+  pool.add(row.label, sequence, done.run, done.metrics);
+  json["estimators"] = pool.estimators();
+  json["pairs"] = pool.pairs();
   return {row.label, estimator_label(row.estimator),
           landmark_of(find_estimator(row.estimator), done.configuration), done.metrics};
 }
 
+// Where `:KEY=VALUE,..` begins; the name of a Python estimator has colons too.
+std::size_t settings_in(const std::string& text) {
+  for (std::size_t colon = text.find(':'); colon != std::string::npos;
+       colon = text.find(':', colon + 1)) {
+    const std::size_t end = text.find_first_of(":/=", colon + 1);
+    if (end != std::string::npos && text[end] == '=') return colon;
+  }
+  return std::string::npos;
+}
+
 }  // namespace
+
+ComparedRun with_settings(const std::string& text) {
+  const std::size_t colon = settings_in(text);
+  const std::string estimator = text.substr(0, colon);
+  ComparedRun run{estimator_label(estimator), estimator, {}};
+  for (std::size_t begin = colon; begin != std::string::npos;) {
+    const std::size_t end = text.find(',', begin + 1);
+    const std::size_t length = end == std::string::npos ? end : end - begin - 1;
+    run.overrides.push_back(parse_assignment(text.substr(begin + 1, length)));
+    run.label += "-" + run.overrides.back().key + "=" + run.overrides.back().value;
+    begin = end;
+  }
+  if (run.label.find('/') != std::string::npos) {
+    throw std::invalid_argument("'" + run.label + "' names a folder and has no '/'");
+  }
+  return run;
+}
 
 std::vector<ComparedRun> crossed(const std::vector<std::string>& estimators,
                                  const std::vector<std::string>& landmarks) {
   std::vector<ComparedRun> runs;
   for (const std::string& estimator : estimators) {
-    const std::string label = estimator_label(estimator);
-    if (!find_estimator(estimator).has_models) {
-      runs.push_back({label, estimator, {}});
+    const ComparedRun alone = with_settings(estimator);
+    if (!find_estimator(alone.estimator).has_models) {
+      runs.push_back(alone);
       continue;
     }
     for (const std::string& landmark : landmarks) {
-      runs.push_back(
-          {fmt::format("{}-{}", label, landmark), estimator, {{"landmark", landmark, 0}}});
+      ComparedRun run = alone;
+      run.label += "-" + landmark;
+      run.overrides.insert(run.overrides.begin(), {"landmark", landmark, 0});
+      runs.push_back(run);
     }
   }
   return runs;
@@ -115,19 +126,13 @@ std::vector<NamedMetrics> compare(const Sequence& sequence, const Configuration&
                                   const CompareOptions& options) {
   check(configuration, runs);
   std::filesystem::create_directories(options.output);
-  Json json = {{"format", "slammot-compare-1"},
-               {"version", SLAMMOT_VERSION},
-               {"command", options.command},
-               {"provenance", json_of(provenance())},
-               {"sequence", sequence_json(sequence, options)},
-               {"truth", truth_json(sequence)},
-               {"metrics", metric_table_json(options.metrics)},
-               {"runs", Json::array()}};
+  Json json = comparison_json(options.command, sequence, options.seed, options.metrics);
+  Pool pool;
   std::vector<NamedMetrics> results;
   for (const ComparedRun& row : runs) {
-    results.push_back(compare_one(sequence, configuration, row, options, json["runs"]));
+    results.push_back(compare_one(sequence, configuration, row, options, json, pool));
     // Written after every run, so that what was computed is never lost.
-    std::ofstream(options.output / "compare.json") << json.dump(1) << '\n';
+    write_file(options.output / kComparisonOutput.mark, json.dump(1) + '\n');
   }
   return results;
 }

@@ -14,7 +14,11 @@
 //   series   {stride, frame[], timestamp[], position[[x,y,z]], position_error_m[],
 //             rotation_error_deg[], nees_pose[], nees_position[], nees_rotation[], and for the
 //             filtered one nis_mean[], accepted[], rejected[], state_size[], frame_ms[]}
-//            every stride-th frame, at most about 2000.
+//            every stride-th frame, at most about 2000. With a measured truth also alignment
+//            {scale, rotation[[3],[3],[3]], translation[3]} by Sim(3) and
+//            aligned_position_error_m[]
+//   estimators[], pairs[]  what runs of one name, and two of them, say together (pooled.h);
+//            runs[] have their name in `pooled`
 #pragma once
 
 #include <filesystem>
@@ -45,9 +49,11 @@ struct CompareOptions {
 };
 
 // Each estimator with each landmark model, labelled `estimator-landmark`; once, if it has no
-// models.
+// models. An estimator may have settings of its own, `NAME:KEY=VALUE,..`, which win.
 std::vector<ComparedRun> crossed(const std::vector<std::string>& estimators,
                                  const std::vector<std::string>& landmarks);
+
+ComparedRun with_settings(const std::string& text);
 
 // Runs all, in order, and writes the output folder.
 std::vector<NamedMetrics> compare(const Sequence& sequence, const Configuration& configuration,

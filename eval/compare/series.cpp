@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "eval/metrics/alignment.h"
 #include "eval/metrics/pose_pairs.h"
 
 namespace slammot {
@@ -15,6 +16,29 @@ size_t stride_of(size_t points) { return points / kMostPoints + 1; }
 
 Json as_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
+// Nothing that a camera measures fixes frame and scale: beside a measured truth stands the aligned
+// path.
+void add_alignment(const Sequence& sequence, const std::vector<CameraEstimate>& estimates,
+                   size_t stride, Json& json) {
+  const std::vector<PosePair> pairs = pair_with_truth(sequence, estimates);
+  const Similarity s = similarity(pairs);
+  std::map<double, double> errors;
+  for (const PosePair& pair : pairs) {
+    errors[pair.estimate.timestamp] =
+        (pair.truth.position - s * pair.estimate.state.position).norm();
+  }
+  json["alignment"] = {
+      {"scale", s.scale},
+      {"rotation",
+       {as_json(s.rotation.row(0)), as_json(s.rotation.row(1)), as_json(s.rotation.row(2))}},
+      {"translation", as_json(s.translation)}};
+  json["aligned_position_error_m"] = Json::array();
+  for (size_t i = 0; i < estimates.size(); i += stride) {
+    const auto error = errors.find(estimates[i].timestamp);
+    json["aligned_position_error_m"].push_back(error == errors.end() ? kUndefined : error->second);
+  }
+}
+
 Json trajectory_series(const Sequence& sequence, const std::vector<CameraEstimate>& estimates,
                        const TrajectoryMetrics& metrics) {
   std::map<double, PosePair> pairs;
@@ -27,6 +51,7 @@ Json trajectory_series(const Sequence& sequence, const std::vector<CameraEstimat
   }
   const size_t stride = stride_of(estimates.size());
   Json json = {{"stride", stride}};
+  if (!sequence.exact_truth && !pairs.empty()) add_alignment(sequence, estimates, stride, json);
   for (const char* name : {"timestamp", "position", "position_error_m", "rotation_error_deg",
                            "nees_pose", "nees_position", "nees_rotation"}) {
     json[name] = Json::array();

@@ -1,12 +1,10 @@
 #include "eval/configuration/configuration.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <set>
 #include <stdexcept>
 
-#include "datasets/sequence/sequence.h"
+#include "datasets/text/yaml_map.h"
 #include "eval/configuration/nearest_names.h"
 
 namespace slammot {
@@ -20,14 +18,19 @@ std::string join(const std::string& prefix, const std::string& name) {
   return name == "name" ? prefix : prefix + "." + name;
 }
 
+// `entries` counts all that are visited: an alias may name the map it stands in, or be one of many
+// that name each other.
 void flatten(const YAML::Node& node, const std::string& prefix, const std::filesystem::path& file,
-             std::vector<Assignment>& out) {
+             int& entries, std::vector<Assignment>& out) {
+  constexpr int kMost = 1000;
   for (const auto& entry : node) {
     const int line = line_of(entry.first);
+    if (++entries > kMost)
+      throw InputError(file, line, "has too many keys, or a map within itself");
     if (!entry.first.IsScalar()) throw InputError(file, line, "a key must be one word");
     const std::string key = join(prefix, entry.first.Scalar());
     if (entry.second.IsMap()) {
-      flatten(entry.second, key, file, out);
+      flatten(entry.second, key, file, entries, out);
     } else if (entry.second.IsScalar()) {
       out.push_back({key, entry.second.Scalar(), line});
     } else {
@@ -41,16 +44,6 @@ void refuse_repeated(const std::vector<Assignment>& assignments,
   std::set<std::string> seen;
   for (const Assignment& a : assignments) {
     if (!seen.insert(a.key).second) throw InputError(file, a.line, "'" + a.key + "' stands twice");
-  }
-}
-
-YAML::Node parse_file(const std::filesystem::path& file) {
-  try {
-    return YAML::LoadFile(file.string());
-  } catch (const YAML::BadFile&) {
-    throw InputError(file, 0, "cannot be read");
-  } catch (const YAML::ParserException& error) {
-    throw InputError(file, error.mark.line + 1, error.msg);
   }
 }
 
@@ -84,12 +77,13 @@ void assign(Configuration& configuration, const Assignment& given) {
 }
 
 std::vector<Assignment> read_assignments(const std::filesystem::path& file) {
-  YAML::Node root = parse_file(file);
+  YAML::Node root = load_yaml_node(file, read_text_file(file));
   if (!root.IsDefined() || root.IsNull()) return {};
   if (!root.IsMap()) throw InputError(file, line_of(root), "must be a map of keys to values");
   if (root["format"] && root["configuration"]) root = root["configuration"];
   std::vector<Assignment> assignments;
-  flatten(root, "", file, assignments);
+  int entries = 0;
+  flatten(root, "", file, entries, assignments);
   for (Assignment& assignment : assignments) assignment = with_present_names(assignment);
   refuse_repeated(assignments, file);
   return assignments;

@@ -42,7 +42,7 @@ void true_labels(Configuration& c) {
 // Cramer-Rao bound: docs/consistency-background.md says what it is.
 void ideal_covariance(Configuration& c) {
   true_labels(c);
-  c.model.gate_probability = 1.0;
+  c.model.gate = {1.0, 1.0};
   c.ekf.linearisation = FilterLinearisation::kIdeal;
   c.model.depth_prior = DepthPriorSource::kFixed;
   c.prior.mean_sigma = 0.0;
@@ -120,6 +120,13 @@ const EstimatorRow& find_estimator(const std::string& name) {
 std::string estimator_label(const std::string& name) {
   const auto python = python_class(name);
   return python ? python->name : name;
+}
+
+bool has_models(const std::string& name) {
+  for (const EstimatorRow& row : estimator_table()) {
+    if (row.name == name) return row.has_models;
+  }
+  return !name.starts_with(kPythonPrefix);
 }
 
 std::string estimator_sha256(const std::string& name) {

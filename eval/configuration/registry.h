@@ -41,6 +41,10 @@ const EstimatorRow& find_estimator(const std::string& name);
 // The name in labels and names of folders: of a Python estimator its class.
 std::string estimator_label(const std::string& name);
 
+// EstimatorRow::has_models, of a name that a stored run states: a script is not asked, and a name
+// need not be known.
+bool has_models(const std::string& name);
+
 // SHA-256 of a Python estimator's file, which a result depends on; empty for the others.
 std::string estimator_sha256(const std::string& name);
 

@@ -35,12 +35,13 @@ MotionNoise motion_noise(const Sequence& sequence, const MotionConfiguration& ov
 }
 
 // A mean that is learnt, and of which nothing is said, is known to half of itself.
-LandmarkPrior landmark_prior(const Sequence& sequence, const Configuration& configuration) {
+LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& camera,
+                             const Configuration& configuration) {
   const PriorConfiguration& overrides = configuration.prior;
   LandmarkPrior prior = sequence.prior.value_or(LandmarkPrior{});
   prior.inverse_depth = overrides.inverse_depth.value_or(prior.inverse_depth);
   prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
-  if (learns_depths(configuration.model.depth_prior, !sequence.known.empty()) &&
+  if (learns_depths(configuration.model.depth_prior, camera, !sequence.known.empty()) &&
       prior.mean_sigma == 0.0) {
     prior.mean_sigma = 0.5 * prior.inverse_depth;
   }
@@ -69,8 +70,8 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
   setup.camera = sequence.camera;
   setup.pixel_sigma = configuration.pixel_sigma.value_or(sequence.pixel_sigma);
   setup.camera_noise = motion_noise(sequence, configuration.motion);
-  setup.prior = landmark_prior(sequence, configuration);
   setup.initial = initial_camera(sequence, configuration.initial);
+  setup.prior = landmark_prior(sequence, setup.initial, configuration);
   setup.known = sequence.known;
   for (const auto& [track, landmark] : sequence.landmarks) {
     setup.true_labels[track] = landmark.label;
@@ -103,7 +104,7 @@ Configuration resolve(const Sequence& sequence, const Configuration& configurati
 
 Configuration resolved(const Setup& setup, Configuration configuration) {
   configuration.model.depth_prior =
-      learns_depths(configuration.model.depth_prior, !setup.known.empty())
+      learns_depths(configuration.model.depth_prior, setup.initial, !setup.known.empty())
           ? DepthPriorSource::kEmpirical
           : DepthPriorSource::kFixed;
   configuration.pixel_sigma = setup.pixel_sigma;

@@ -1,5 +1,6 @@
 #include "eval/metrics/accuracy.h"
 
+#include <algorithm>
 #include <numbers>
 
 #include "eval/metrics/alignment.h"
@@ -36,12 +37,21 @@ void add_relative_errors(const std::vector<PosePair>& pairs, double interval, Ac
   result.relative_rotation_rmse_deg = root_mean_square(rotations);
 }
 
-void add_aligned_errors(const std::vector<PosePair>& pairs, Accuracy& result) {
+struct Paths {
   std::vector<Eigen::Vector3d> estimate, truth;
+};
+
+Paths paths_of(const std::vector<PosePair>& pairs) {
+  Paths paths;
   for (const PosePair& pair : pairs) {
-    estimate.push_back(pair.estimate.state.position);
-    truth.push_back(pair.truth.position);
+    paths.estimate.push_back(pair.estimate.state.position);
+    paths.truth.push_back(pair.truth.position);
   }
+  return paths;
+}
+
+void add_aligned_errors(const std::vector<PosePair>& pairs, Accuracy& result) {
+  const auto [estimate, truth] = paths_of(pairs);
   const Similarity se3 = align(estimate, truth, AlignmentGroup::kSE3);
   const Similarity sim3 = align(estimate, truth, AlignmentGroup::kSim3);
   result.ate_se3 = absolute_trajectory_error(estimate, truth, se3);
@@ -59,6 +69,35 @@ double rotation_error_deg(const PosePair& pair) {
   const Eigen::Quaterniond relative =
       pair.estimate.state.orientation.conjugate() * pair.truth.orientation;
   return log_so3(relative).norm() * kDegrees;
+}
+
+Similarity similarity(const std::vector<PosePair>& pairs) {
+  const auto [estimate, truth] = paths_of(pairs);
+  return align(estimate, truth, AlignmentGroup::kSim3);
+}
+
+std::vector<PosePair> aligned(std::vector<PosePair> pairs) {
+  const Similarity alignment = similarity(pairs);
+  for (PosePair& pair : pairs) {
+    pair.estimate.state.position = alignment * pair.estimate.state.position;
+  }
+  return pairs;
+}
+
+std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alignment) {
+  constexpr double kFraction = 0.1, kMetre = 1.0;
+  const auto [estimate, truth] = paths_of(after_alignment ? aligned(pairs) : pairs);
+  std::vector<double> path(truth.size(), 0.0);
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    path[i] = path[i - 1] + (truth[i] - truth[i - 1]).norm();
+  }
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    const double whole = kFraction * path.back();
+    const double allowed =
+        after_alignment ? whole : std::max(std::min(kMetre, whole), kFraction * path[i]);
+    if ((truth[i] - estimate[i]).norm() > allowed) return pairs[i].frame;
+  }
+  return std::nullopt;
 }
 
 Accuracy accuracy(const std::vector<PosePair>& pairs, double relative_interval) {

@@ -5,8 +5,10 @@
 // et al. 2012: E = (T_i^-1 T_j)^-1 (T^_i^-1 T^_j), j the first frame at least `interval` after i.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "eval/metrics/alignment.h"
 #include "eval/metrics/pose_pairs.h"
 
 namespace slammot {
@@ -25,6 +27,18 @@ struct Accuracy {
   double relative_position_rmse = 0.0;  // [m] over one second
   double relative_rotation_rmse_deg = 0.0;
 };
+
+// The first frame of a failed estimate, if there is one: its position error is above a tenth of the
+// path so far, and above a metre or a tenth of the whole path, whichever is less.
+// `after_alignment`, where the sequence fixes no scale: above a tenth of the whole path after the
+// similarity alignment.
+std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alignment);
+
+// The Sim(3) alignment of the estimated positions to the true ones.
+Similarity similarity(const std::vector<PosePair>& pairs);
+
+// The estimates moved by it; their orientations and covariances as they were.
+std::vector<PosePair> aligned(std::vector<PosePair> pairs);
 
 Accuracy accuracy(const std::vector<PosePair>& pairs, double relative_interval = 1.0);
 

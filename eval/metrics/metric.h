@@ -64,6 +64,7 @@ using MetricTable = std::vector<Metric>;
 
 // What a study compares its estimators by.
 inline constexpr char kPositionRmse[] = "position_rmse_m";
+inline constexpr char kAteSim3[] = "ate_sim3_m";  // where the truth is measured
 
 // The metrics of this program.
 const MetricTable& metric_table();

@@ -115,6 +115,23 @@ MetricTable landmark_error_rows(const std::string& what, ErrorSummary LandmarkEr
           row("q95", "95% quantile over the landmarks", &E::q95)};
 }
 
+Metric coverage_row() {
+  return {.key = "coverage",
+          .unit = "",
+          .name = "coverage",
+          .caption = "poses judged, of the frames of the sequence",
+          .value =
+              [](const FinishedRun& f) {
+                const auto& accuracy = f.trajectory.accuracy.value;
+                const auto frames = static_cast<double>(f.sequence.frames.size());
+                return accuracy ? accuracy->poses / frames : kUndefined;
+              },
+          .scope = Scope::kTrajectory,
+          .form = Form::kRatio,
+          .better = Better::kNeither,
+          .block = "accuracy"};
+}
+
 MetricTable accuracy_rows() {
   const auto row = [](const char* key, const char* unit, const char* name, const char* caption,
                       auto member) {
@@ -135,6 +152,7 @@ MetricTable accuracy_rows() {
   using A = Accuracy;
   constexpr Pooled kRms = Pooled::kRootMeanSquare;
   return {
+      on_terminal(coverage_row()),
       count(row("poses", "", "poses", "poses with a true pose near in time", &A::poses)),
       pooled(on_terminal(row(kPositionRmse, "m", "position RMSE",
                              "RMSE of the position, without alignment", &A::position_rmse)),
@@ -148,20 +166,24 @@ MetricTable accuracy_rows() {
              kRms),
       row("rotation_max_deg", "deg", "largest rotation error", "largest orientation error",
           &A::rotation_max_deg),
-      row("ate_se3_m", "m", "ATE, SE(3)", "RMSE of the position after rigid alignment",
-          &A::ate_se3),
-      pooled(row("ate_sim3_m", "m", "ATE, Sim(3)",
-                 "RMSE of the position after similarity alignment", &A::ate_sim3),
+      pooled(on_terminal(row("ate_se3_m", "m", "ATE SE(3)",
+                             "RMSE of the position after rigid alignment", &A::ate_se3)),
              Pooled::kMean),
-      pooled(neither(row("sim3_scale", "", "scale",
-                         "true over estimated size, of the similarity alignment", &A::scale)),
+      pooled(on_terminal(row(kAteSim3, "m", "ATE Sim(3)",
+                             "RMSE of the position after similarity alignment", &A::ate_sim3)),
+             Pooled::kMean),
+      pooled(on_terminal(
+                 neither(row("sim3_scale", "", "scale",
+                             "true over estimated size, of the similarity alignment", &A::scale))),
              Pooled::kMean),
       count(row("rpe_1s_pairs", "", "RPE pairs", "pairs of poses one second apart",
                 &A::relative_pairs)),
-      row("rpe_1s_position_rmse_m", "m", "RPE, position", "RMSE of the displacement in one second",
-          &A::relative_position_rmse),
-      row("rpe_1s_rotation_rmse_deg", "deg", "RPE, rotation", "RMSE of the rotation in one second",
-          &A::relative_rotation_rmse_deg),
+      pooled(on_terminal(row("rpe_1s_position_rmse_m", "m", "RPE 1 s",
+                             "RMSE of the displacement in one second", &A::relative_position_rmse)),
+             Pooled::kMean),
+      pooled(on_page(row("rpe_1s_rotation_rmse_deg", "deg", "RPE 1 s, rotation",
+                         "RMSE of the rotation in one second", &A::relative_rotation_rmse_deg)),
+             Pooled::kMean),
   };
 }
 
@@ -185,7 +207,38 @@ MetricTable nis_rows() {
                  Pooled::kNot),
           mean,
           row("nis_expected", "expected_mean", "expected NIS",
-              "mean NIS of a consistent estimator, whose gate cuts off the tail", &N::expected)};
+              "mean NIS of a consistent estimator, whose gate cuts off the tail", &N::expected),
+          on_terminal(row("nis_joint", "joint_mean", "joint NIS",
+                          "NIS of all accepted of a frame together, over their number; 2 is right",
+                          &N::joint_mean))};
+}
+
+// What later measurements buy: the pose of so many frames ago, as it is believed now.
+MetricTable lag_rows() {
+  MetricTable rows;
+  for (const int lag : kLags) {
+    const auto row = [&](const char* leaf, const std::string& caption, auto value) {
+      const auto of_lag = [=](const FinishedRun& f) {
+        const auto found = f.metrics.lagged.find(lag);
+        return found == f.metrics.lagged.end() ? kUndefined : value(found->second);
+      };
+      const std::string frames =
+          lag == 1 ? " one frame later" : " " + std::to_string(lag) + " frames later";
+      Metric metric = detail("lag." + std::to_string(lag), leaf, caption + frames, of_lag);
+      metric.pooled = Pooled::kMean;
+      rows.push_back(metric);
+    };
+    row("position_rmse_m", "RMSE of the position [m]", [](const TrajectoryMetrics& t) {
+      return t.accuracy.value ? t.accuracy.value->position_rmse : kUndefined;
+    });
+    row("rotation_rmse_deg", "RMSE of the rotation [deg]", [](const TrajectoryMetrics& t) {
+      return t.accuracy.value ? t.accuracy.value->rotation_rmse_deg : kUndefined;
+    });
+    row("nees_pose", "mean pose NEES", [](const TrajectoryMetrics& t) {
+      return t.consistency.value ? t.consistency.value->pose.mean : kUndefined;
+    });
+  }
+  return rows;
 }
 
 MetricTable class_rows(const std::string& truth, ClassCounts ClassificationMetrics::*counts) {
@@ -284,6 +337,7 @@ MetricTable all_rows() {
   append(table, class_rows("moving", &ClassificationMetrics::movings));
   append(table, classification_rows());
   append(table, nis_rows());
+  append(table, lag_rows());
   append(table, runtime_rows());
   return table;
 }

@@ -9,7 +9,9 @@ constexpr const char* kInexact = "truth is not exact";
 
 bool all_have_covariances(const std::vector<PosePair>& pairs) {
   for (const PosePair& pair : pairs) {
-    if (pair.estimate.covariance.topLeftCorner<6, 6>().hasNaN()) return false;
+    const Matrix12d& P = pair.estimate.covariance;
+    if (P.block<3, 3>(kPosition, kPosition).hasNaN()) return false;
+    if (P.block<3, 3>(kRotation, kRotation).hasNaN()) return false;
   }
   return true;
 }
@@ -82,12 +84,20 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
                            const MetricTable& table) {
   RunMetrics metrics;
   metrics.diverged = run.diverged;
+  metrics.warnings = run.warnings;
   metrics.filtered = trajectory_metrics(sequence, run.filtered);
   if (!run.smoothed.empty()) metrics.smoothed = trajectory_metrics(sequence, run.smoothed);
+  for (const auto& [lag, poses] : run.lagged) {
+    metrics.lagged[lag] = trajectory_metrics(sequence, poses);
+  }
+  metrics.failed = failed_at(pair_with_truth(sequence, run.filtered), !sequence.exact_truth);
   judge_landmarks(sequence, run, metrics);
   metrics.classification = classification_metrics(run.classification);
-  metrics.nis.mean =
-      run.totals.accepted == 0 ? kUndefined : run.totals.nis_sum / run.totals.accepted;
+  const auto per_accepted = [&](double sum) {
+    return run.totals.accepted == 0 ? kUndefined : sum / run.totals.accepted;
+  };
+  metrics.nis.mean = per_accepted(run.totals.nis_sum);
+  metrics.nis.joint_mean = per_accepted(run.totals.joint_nis);
   metrics.nis.expected = gated_mean(gate_probability, metrics.nis.dof);
   metrics.measurements = measurement_counts(run);
   metrics.runtime = runtime_metrics(run.timing, run.smoothing_ms);

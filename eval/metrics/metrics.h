@@ -4,6 +4,7 @@
 // (NEES against a measured truth measures the truth as well) or without a covariance.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 
@@ -34,6 +35,9 @@ struct NisMetrics {
   int dof = 2;
   double mean = 0.0;      // of the accepted measurements
   double expected = 0.0;  // of a consistent filter, given that the gate cuts the tail off
+  // Of all accepted of a frame together, over their number: what they share counts once. 2 is
+  // right.
+  double joint_mean = 0.0;
 };
 
 struct MeasurementCounts {
@@ -50,8 +54,11 @@ struct MeasurementCounts {
 
 struct RunMetrics {
   std::optional<Divergence> diverged;
+  std::vector<RunWarning> warnings;
+  std::optional<int> failed;  // the first frame that failed, see failed_at()
   TrajectoryMetrics filtered;
   std::optional<TrajectoryMetrics> smoothed;  // of an estimator that smooths
+  std::map<int, TrajectoryMetrics> lagged;    // by lag, of one that keeps past poses
   Known<LandmarkErrors> landmark_errors;
   Known<LandmarkConsistency> landmark_consistency;
   ClassificationMetrics classification;

@@ -23,10 +23,25 @@ double nees_if_defined(const Eigen::VectorXd& error, const Eigen::MatrixXd& cova
   return error.hasNaN() || covariance.hasNaN() ? kUndefined : nees(error, covariance);
 }
 
+namespace {
+
+NeesSummary undefined(int dof) {
+  NeesSummary s;
+  s.dof = dof;
+  s.mean = s.median = s.q95 = s.interval_coverage = kUndefined;
+  const Interval interval = nees_interval(dof);
+  s.lower = interval.lower;
+  s.upper = interval.upper;
+  return s;
+}
+
+}  // namespace
+
 NeesSummary summarise_nees(const std::vector<double>& samples, int dof) {
   const Interval interval = nees_interval(dof);
   NeesSummary s;
   s.dof = dof;
+  if (std::ranges::any_of(samples, [](double x) { return std::isnan(x); })) return undefined(dof);
   s.used = static_cast<int>(samples.size());
   int covered = 0;
   for (const double x : samples) {
@@ -46,9 +61,11 @@ NeesSummary summarise_nees(const std::vector<double>& samples, int dof) {
 PoseNees pose_nees(const PosePair& pair) {
   const Vector12d error = boxminus(pair.truth, pair.estimate.state);
   const Matrix12d& P = pair.estimate.covariance;
-  return {pair.frame, pair.estimate.timestamp, nees(error.head<6>(), P.topLeftCorner<6, 6>()),
-          nees(error.segment<3>(kPosition), P.block<3, 3>(kPosition, kPosition)),
-          nees(error.segment<3>(kRotation), P.block<3, 3>(kRotation, kRotation))};
+  const auto of_block = [&](int first, int size) {
+    return nees_if_defined(error.segment(first, size), P.block(first, first, size, size));
+  };
+  return {pair.frame, pair.estimate.timestamp, of_block(kPosition, 6), of_block(kPosition, 3),
+          of_block(kRotation, 3)};
 }
 
 PoseConsistency pose_consistency(const std::vector<PosePair>& pairs) {

@@ -33,6 +33,7 @@ struct NeesSummary {
   double interval_coverage = 0.0;  // samples inside the interval, as a ratio
 };
 
+// Samples of which one is not defined (NaN) have no summary.
 NeesSummary summarise_nees(const std::vector<double>& samples, int dof);
 
 struct PoseNees {
@@ -43,6 +44,7 @@ struct PoseNees {
   double rotation = 0.0;  // 3
 };
 
+// NaN where the covariance of that part is not known.
 PoseNees pose_nees(const PosePair& pair);
 
 struct PoseConsistency {

@@ -1,8 +1,11 @@
 #include "eval/metrics/pose_pairs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace slammot {
 namespace {
@@ -25,18 +28,62 @@ size_t nearest_frame(const std::vector<Frame>& frames, double timestamp) {
   return timestamp - frames[before].timestamp <= later->timestamp - timestamp ? before : before + 1;
 }
 
+struct Match {
+  size_t frame, estimate;
+  double difference;  // [s]
+};
+
+// In order of the estimates, whose times increase.
+std::vector<Match> matches(const std::vector<CameraEstimate>& estimates,
+                           const std::vector<Frame>& frames, double offset, double tolerance) {
+  std::vector<Match> found;
+  for (size_t k = 0; k < estimates.size() && !frames.empty(); ++k) {
+    const double time = estimates[k].timestamp + offset;
+    const size_t i = nearest_frame(frames, time);
+    const Match match{i, k, std::abs(frames[i].timestamp - time)};
+    if (match.difference > tolerance) continue;
+    const bool again = !found.empty() && found.back().frame == i;
+    if (!again) found.push_back(match);
+    if (again && match.difference < found.back().difference) found.back() = match;
+  }
+  return found;
+}
+
+double half_a_frame(const std::vector<Frame>& frames) { return shortest_interval(frames) / 2.0; }
+
 }  // namespace
+
+std::vector<CameraEstimate> at_frames(const std::vector<CameraEstimate>& estimates,
+                                      const std::vector<Frame>& frames,
+                                      const TimeMatching& matching, std::vector<int>& indices) {
+  const double tolerance = matching.max_difference.value_or(half_a_frame(frames));
+  std::vector<CameraEstimate> chosen;
+  indices.clear();
+  for (const Match& match : matches(estimates, frames, matching.offset, tolerance)) {
+    chosen.push_back(estimates[match.estimate]);
+    chosen.back().timestamp = frames[match.frame].timestamp;
+    indices.push_back(frames[match.frame].index);
+  }
+  if (chosen.empty() && !estimates.empty() && !frames.empty()) {
+    throw std::invalid_argument(fmt::format(
+        "no pose is within {:.3g} s of a frame: poses from {:.17g} to {:.17g} s, frames from "
+        "{:.17g} to {:.17g} s{}",
+        tolerance, estimates.front().timestamp + matching.offset,
+        estimates.back().timestamp + matching.offset, frames.front().timestamp,
+        frames.back().timestamp,
+        estimates.front().timestamp > 1e15 ? "; are these nanoseconds?" : ""));
+  }
+  return chosen;
+}
 
 std::vector<PosePair> pair_with_truth(const Sequence& sequence,
                                       const std::vector<CameraEstimate>& estimates) {
   std::vector<PosePair> pairs;
-  if (sequence.frames.empty() || sequence.truth.size() != sequence.frames.size()) return pairs;
-  const double tolerance = shortest_interval(sequence.frames) / 2.0;
-  for (const CameraEstimate& estimate : estimates) {
-    const size_t i = nearest_frame(sequence.frames, estimate.timestamp);
-    const Frame& frame = sequence.frames[i];
-    if (!sequence.truth[i] || std::abs(frame.timestamp - estimate.timestamp) > tolerance) continue;
-    pairs.push_back({frame.index, estimate, *sequence.truth[i]});
+  const std::vector<Frame>& frames = sequence.frames;
+  if (sequence.truth.size() != frames.size()) return pairs;
+  for (const Match& match : matches(estimates, frames, 0.0, half_a_frame(frames))) {
+    const auto& truth = sequence.truth[match.frame];
+    if (truth) pairs.push_back({frames[match.frame].index, estimates[match.estimate], *truth});
   }
   return pairs;
 }

@@ -1,6 +1,8 @@
-// Estimated cameras beside the true ones, matched by the nearest timestamp within half a frame.
+// Estimated cameras beside the true ones. A frame has at most one estimate, the nearest in time; by
+// default within half a frame.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "datasets/sequence/sequence.h"
@@ -13,6 +15,18 @@ struct PosePair {
   CameraEstimate estimate;
   CameraState truth;
 };
+
+// How the times of a trajectory made elsewhere are compared with those of the frames.
+struct TimeMatching {
+  double offset = 0.0;                   // [s], added to the estimate's
+  std::optional<double> max_difference;  // [s]
+};
+
+// The estimate of each frame that has one, at the frame's time, with the indices of these frames.
+// Throws std::invalid_argument where no frame has one.
+std::vector<CameraEstimate> at_frames(const std::vector<CameraEstimate>& estimates,
+                                      const std::vector<Frame>& frames,
+                                      const TimeMatching& matching, std::vector<int>& indices);
 
 // Estimates without a true pose near in time are left out.
 std::vector<PosePair> pair_with_truth(const Sequence& sequence,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace slammot {
 namespace {
@@ -100,8 +101,16 @@ Json json_of(const MeasurementCounts& counts) {
 
 MeasurementCounts measurement_counts_of(const Json& json) {
   MeasurementCounts counts;
-  for (const CountField& field : kCounts) counts.*field.count = json.at(field.key).get<int>();
+  for (const CountField& field : kCounts) counts.*field.count = count_of(json.at(field.key));
   return counts;
+}
+
+int count_of(const Json& json) {
+  if (json.is_number_integer()) {
+    const auto value = json.get<std::int64_t>();
+    if (value >= 0 && value <= std::numeric_limits<int>::max()) return static_cast<int>(value);
+  }
+  throw Json::other_error::create(501, "not a count: " + json.dump(), &json);
 }
 
 Json json_of(const std::optional<Divergence>& d) {
@@ -110,13 +119,30 @@ Json json_of(const std::optional<Divergence>& d) {
 
 std::optional<Divergence> divergence_of(const Json& json) {
   if (json.is_null()) return std::nullopt;
-  return Divergence{json.at("frame").get<int>(), json.at("reason").get<std::string>()};
+  return Divergence{count_of(json.at("frame")), json.at("reason").get<std::string>()};
+}
+
+Json json_of(const std::vector<RunWarning>& warnings) {
+  Json json = Json::array();
+  for (const RunWarning& w : warnings) json.push_back({{"frame", w.frame}, {"reason", w.reason}});
+  return json;
+}
+
+std::vector<RunWarning> warnings_of(const Json& json) {
+  std::vector<RunWarning> warnings;
+  for (const Json& w : json) {
+    warnings.push_back({w.at("frame").get<int>(), w.at("reason").get<std::string>()});
+  }
+  return warnings;
 }
 
 Json metrics_json(const RunMetrics& m) {
   Json json = Json::object();
   json["diverged"] = m.diverged.has_value();
   json["divergence"] = json_of(m.diverged);
+  json["warnings"] = json_of(m.warnings);
+  json["failed"] = m.failed.has_value();
+  json["failed_at"] = m.failed ? Json(*m.failed) : Json();
   json["filtered"] = trajectory_json(m.filtered);
   json["smoothed"] = m.smoothed ? trajectory_json(*m.smoothed) : Json();
   put_values(json, m.values);
@@ -143,8 +169,11 @@ void restore_totals(const Json& metrics, RunResult& run) {
   totals.negative_inverse_depth = counts.negative_inverse_depth;
   const Json& mean_nis = metrics.at("nis").at("mean");
   if (mean_nis.is_number()) totals.nis_sum = mean_nis.get<double>() * totals.accepted;
+  const Json& joint_nis = metrics.at("nis").at("joint_mean");
+  if (joint_nis.is_number()) totals.joint_nis = joint_nis.get<double>() * totals.accepted;
   run.smoothing_ms = metrics.at("runtime").at("smoothing_ms").get<double>();
   run.diverged = divergence_of(metrics.at("divergence"));
+  run.warnings = warnings_of(metrics.at("warnings"));
 }
 
 Json values_json(const std::vector<MetricValue>& values,

@@ -16,6 +16,9 @@ Json metrics_json(const RunMetrics& metrics);
 // measurement counts, NIS, smoothing time, divergence. For runs that are read back.
 void restore_totals(const Json& metrics, RunResult& run);
 
+// A whole number of an `int`'s range, not negative; throws a Json::exception for anything else.
+int count_of(const Json& json);
+
 // Each struct and back.
 Json json_of(const MeasurementCounts& counts);
 MeasurementCounts measurement_counts_of(const Json& json);

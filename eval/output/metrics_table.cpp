@@ -8,8 +8,6 @@
 namespace slammot {
 namespace {
 
-using Cells = std::vector<std::string>;
-
 std::string number(const Metric& metric, double value) {
   if (std::isnan(value)) return "-";
   if (metric.form == Form::kRatio) return fmt::format("{:.1f}%", 100.0 * value);
@@ -34,54 +32,88 @@ std::string heading(const Metric& metric, const RunMetrics& run) {
   return fmt::format("{} ({:.4g})", metric.name, expected);
 }
 
-void add_numbers(Cells& cells, const std::vector<MetricValue>& values) {
+void add_numbers(TextRow& cells, const std::vector<MetricValue>& values) {
   for (const MetricValue& v : values) {
     if (v.metric.shown == Shown::kTerminal) cells.push_back(number(v.metric, v.value));
   }
 }
 
-void add_headings(Cells& cells, const std::vector<MetricValue>& values, const RunMetrics& run) {
+void add_headings(TextRow& cells, const std::vector<MetricValue>& values, const RunMetrics& run) {
   for (const MetricValue& v : values) {
     if (v.metric.shown == Shown::kTerminal) cells.push_back(heading(v.metric, run));
   }
 }
 
-Cells head(const RunMetrics& run) {
-  Cells cells = {"estimator", "landmark model"};
-  add_headings(cells, run.filtered.values, run);
-  add_headings(cells, run.values, run);
-  for (const char* name : {"static r/w/u", "moving r/w/u", "diverged"}) cells.emplace_back(name);
-  return cells;
+// Each row begins with the run's names.
+using Names = std::vector<TextRow>;
+
+// The name of a run's folder, unless it says no more than estimator and landmark model do.
+Names names_of(const std::vector<NamedMetrics>& results) {
+  const bool labelled = std::ranges::any_of(
+      results, [](const auto& r) { return r.label != r.estimator + "-" + r.landmark; });
+  Names names = {{"estimator", "landmark model"}};
+  for (const NamedMetrics& r : results) names.push_back({r.estimator, r.landmark});
+  if (!labelled) return names;
+  names.front().insert(names.front().begin(), "run");
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    names[i + 1].insert(names[i + 1].begin(), results[i].label);
+  }
+  return names;
+}
+
+std::string at_frame(const std::optional<int>& frame) {
+  return frame ? fmt::format("frame {}", *frame) : "no";
 }
 
 // A smoother's own trajectory is a row of its own below the filtered one.
-Cells trajectory_row(const std::string& estimator, const std::string& landmark,
-                     const TrajectoryMetrics& t) {
-  Cells cells = {estimator, landmark};
-  add_numbers(cells, t.values);
-  return cells;
+std::vector<TextRow> trajectory_rows(const Names& names, const std::vector<NamedMetrics>& results) {
+  std::vector<TextRow> rows = {names.front()};
+  add_headings(rows[0], results[0].metrics.filtered.values, results[0].metrics);
+  for (const char* name : {"failed", "diverged"}) rows[0].emplace_back(name);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const RunMetrics& m = results[i].metrics;
+    TextRow& row = rows.emplace_back(names[i + 1]);
+    add_numbers(row, m.filtered.values);
+    row.push_back(m.filtered.accuracy.value ? at_frame(m.failed) : "-");
+    row.push_back(at_frame(m.diverged ? std::optional(m.diverged->frame) : std::nullopt));
+    if (!m.smoothed) continue;
+    TextRow& smoothed = rows.emplace_back(names[i + 1].size());
+    smoothed.front() = "  smoothed";
+    add_numbers(smoothed, m.smoothed->values);
+    smoothed.resize(rows.front().size());
+  }
+  return rows;
 }
 
-Cells run_row(const NamedMetrics& r) {
-  const RunMetrics& m = r.metrics;
-  Cells cells = trajectory_row(r.estimator, r.landmark, m.filtered);
-  add_numbers(cells, m.values);
-  cells.push_back(labels(m.classification.statics));
-  cells.push_back(labels(m.classification.movings));
-  cells.push_back(m.diverged ? fmt::format("frame {}", m.diverged->frame) : "no");
-  return cells;
+// What only an estimator of this program tells: none of a trajectory made elsewhere.
+std::vector<TextRow> run_rows(const Names& names, const std::vector<NamedMetrics>& results) {
+  std::vector<TextRow> rows = {names.front()};
+  add_headings(rows[0], results[0].metrics.values, results[0].metrics);
+  for (const char* name : {"static r/w/u", "moving r/w/u", "warnings"}) rows[0].emplace_back(name);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const RunMetrics& m = results[i].metrics;
+    if (m.runtime.stages.empty() && m.measurements.offered == 0) continue;
+    TextRow& row = rows.emplace_back(names[i + 1]);
+    add_numbers(row, m.values);
+    row.push_back(labels(m.classification.statics));
+    row.push_back(labels(m.classification.movings));
+    row.push_back(m.warnings.empty() ? "none" : fmt::format("{}", m.warnings.size()));
+  }
+  return rows;
 }
 
-std::string aligned(const std::vector<Cells>& rows) {
+}  // namespace
+
+std::string aligned(const std::vector<TextRow>& rows, std::size_t names) {
   std::vector<size_t> widths(rows.front().size(), 0);
-  for (const Cells& row : rows) {
+  for (const TextRow& row : rows) {
     for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   }
   std::string text;
-  for (const Cells& row : rows) {
+  for (const TextRow& row : rows) {
     std::string line;
     for (size_t i = 0; i < row.size(); ++i) {
-      const bool left = i < 2;  // names to the left, numbers to the right
+      const bool left = i < names;  // names to the left, numbers to the right
       line += left ? fmt::format("{:<{}}  ", row[i], widths[i])
                    : fmt::format("{:>{}}  ", row[i], widths[i]);
     }
@@ -91,20 +123,16 @@ std::string aligned(const std::vector<Cells>& rows) {
   return text;
 }
 
-}  // namespace
-
 std::string metrics_table(const std::vector<NamedMetrics>& results) {
-  std::vector<Cells> rows = {head(results.front().metrics)};
-  for (const NamedMetrics& result : results) {
-    rows.push_back(run_row(result));
-    if (!result.metrics.smoothed) continue;
-    rows.push_back(trajectory_row("  smoothed", "", *result.metrics.smoothed));
-    rows.back().resize(rows.front().size());
-  }
-  return aligned(rows) +
+  const Names names = names_of(results);
+  const std::size_t left = names.front().size();
+  std::string text = aligned(trajectory_rows(names, results), left);
+  const std::vector<TextRow> of_runs = run_rows(names, results);
+  if (of_runs.size() > 1) text += "\n" + aligned(of_runs, left);
+  return text +
          "In parentheses: the mean of a consistent estimator; the gate cuts off the tail of the "
-         "NIS. "
-         "r/w/u: right, wrong, undecided.\nNEES of one run is a mean over correlated frames.\n";
+         "NIS. r/w/u: right, wrong, undecided.\nFailed: the error exceeds a tenth of the path. "
+         "NEES of one run is a mean over correlated frames.\n";
 }
 
 }  // namespace slammot

@@ -1,5 +1,5 @@
-// Runs side by side as one aligned text table: the metrics shown on the terminal, the
-// labels and whether a run diverged. `-` where a metric is not known.
+// Runs side by side as aligned text: the metrics of their trajectories and whether they failed or
+// diverged; below, their other metrics and labels. `-` where a metric is not known.
 #pragma once
 
 #include <string>
@@ -15,6 +15,10 @@ struct NamedMetrics {
   std::string landmark;
   RunMetrics metrics;
 };
+
+// Columns to their width, the first `names` to the left and numbers to the right.
+using TextRow = std::vector<std::string>;
+std::string aligned(const std::vector<TextRow>& rows, std::size_t names);
 
 std::string metrics_table(const std::vector<NamedMetrics>& results);
 

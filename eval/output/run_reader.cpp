@@ -1,29 +1,20 @@
 #include "eval/output/run_reader.h"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
-#include <fstream>
 #include <functional>
 #include <map>
 
-#include "datasets/text/text_table.h"
+#include "datasets/sequence/plausible.h"
+#include "datasets/text/yaml_map.h"
 #include "eval/output/metrics_json.h"
 #include "eval/output/run_files.h"
+#include "eval/trajectory/trajectory_file.h"
 
 namespace slammot {
 namespace {
 
 using Path = std::filesystem::path;
-
-template <int N>
-Eigen::Matrix<double, N, N> from_upper_triangle(const TextTable& row, size_t first) {
-  Eigen::Matrix<double, N, N> m;
-  for (int i = 0; i < N; ++i) {
-    for (int j = i; j < N; ++j) m(i, j) = m(j, i) = row.real_or_nan(first++);
-  }
-  return m;
-}
 
 Eigen::Vector3d vector_or_nan_at(const TextTable& row, size_t first) {
   return {row.real_or_nan(first), row.real_or_nan(first + 1), row.real_or_nan(first + 2)};
@@ -47,29 +38,12 @@ void for_each_row(const Path& file, size_t columns,
   for (table.pass_comments(); table.next_comma_row(columns); table.pass_comments()) visit(table);
 }
 
-std::vector<CameraEstimate> read_trajectory(const Path& file) {
-  std::vector<CameraEstimate> cameras;
-  const std::string text = read_text_file(file);
-  for (TextTable row(file, text); row.next_blank_row(8);) {
-    CameraEstimate camera;
-    camera.timestamp = row.real(0);
-    camera.state.position = vector_at(row, 1);
-    const Eigen::Vector3d im = vector_at(row, 4);
-    camera.state.orientation = Eigen::Quaterniond(row.real(7), im.x(), im.y(), im.z());
-    const double norm = camera.state.orientation.norm();
-    if (!(std::abs(norm - 1.0) < 1e-2)) row.refuse("the quaternion is not of unit length");
-    camera.state.orientation.normalize();
-    camera.covariance.setConstant(kUndefined);
-    if (!cameras.empty() && camera.timestamp <= cameras.back().timestamp) {
-      row.refuse("timestamps do not increase");
-    }
-    cameras.push_back(camera);
-  }
-  if (cameras.empty()) throw InputError(file, 0, "holds no pose");
-  return cameras;
+// This program writes `nan` where it knows no covariance; others have no reason to.
+void require_numbers(const TextTable& row) {
+  for (size_t i = 1; i < row.fields(); ++i) row.real(i);
 }
 
-void read_covariances(const Path& file, std::vector<CameraEstimate>& cameras) {
+void read_covariances(const Path& file, bool own, std::vector<CameraEstimate>& cameras) {
   if (!std::filesystem::exists(file)) return;
   size_t count = 0;
   for_each_row(file, 22, [&](const TextTable& row) {
@@ -78,7 +52,8 @@ void read_covariances(const Path& file, std::vector<CameraEstimate>& cameras) {
     if (std::abs(row.real(0) - camera.timestamp) > 1e-6) {
       row.refuse("the timestamp is not that of the pose");
     }
-    camera.covariance.topLeftCorner<6, 6>() = from_upper_triangle<6>(row, 1);
+    camera.covariance.topLeftCorner<6, 6>() = symmetric_at<6>(row, 1);
+    if (!own) require_numbers(row);
   });
   if (count != cameras.size()) throw InputError(file, 0, "has not one row for each pose");
 }
@@ -94,8 +69,8 @@ std::vector<LandmarkRecord> read_landmark_rows(const Path& file) {
     record.estimate.label = label_at(row, 2);
     record.estimate.position = vector_or_nan_at(row, 3);
     record.estimate.velocity = vector_or_nan_at(row, 6);
-    record.estimate.position_covariance = from_upper_triangle<3>(row, 9);
-    record.estimate.velocity_covariance = from_upper_triangle<3>(row, 15);
+    record.estimate.position_covariance = symmetric_at<3>(row, 9);
+    record.estimate.velocity_covariance = symmetric_at<3>(row, 15);
     records.push_back(record);
   });
   return records;
@@ -138,26 +113,49 @@ std::vector<StageTime> read_timing(const Path& file) {
 
 void read_metrics(const Path& file, RunResult& run) {
   if (!std::filesystem::exists(file)) return;
-  std::ifstream stream(file);
+  const std::string text = read_text_file(file);
   try {
-    restore_totals(nlohmann::ordered_json::parse(stream), run);
+    restore_totals(nlohmann::ordered_json::parse(text), run);
   } catch (const nlohmann::json::exception& error) {
     throw InputError(file, 0, error.what());
   }
 }
 
+void read_configuration(const Path& file, const YAML::Node& configuration, StoredRun& stored) {
+  for (const auto& pair : configuration) {
+    stored.configuration[pair.first.Scalar()] = pair.second.Scalar();
+  }
+  stored.landmark = printable(configuration["landmark"].as<std::string>(""));
+  const YAML::Node gate = configuration["gate.probability"];
+  stored.gate_probability = gate.as<double>(0.95);
+  if (!(stored.gate_probability > 0.0 && stored.gate_probability <= 1.0)) {
+    throw InputError(file, gate.Mark().line + 1, "gate.probability is no probability above 0");
+  }
+  const double pixel_sigma = configuration["pixel_sigma"].as<double>(0.0);  // or "sequence"
+  if (pixel_sigma > 0.0) stored.pixel_sigma = pixel_sigma;
+}
+
+std::string text_at(const YAML::Node& map, const char* key) {
+  const YAML::Node node = map[key];
+  return node ? node.as<std::string>() : "";
+}
+
 void read_description(const Path& file, StoredRun& stored) {
   if (!std::filesystem::exists(file)) return;
   try {
-    const YAML::Node root = YAML::LoadFile(file.string());
-    stored.estimator = root["estimator"].as<std::string>("");
-    const YAML::Node configuration = root["configuration"];
-    stored.landmark = configuration["landmark"].as<std::string>("");
-    stored.gate_probability = configuration["gate.probability"].as<double>(0.95);
-    const double pixel_sigma = configuration["pixel_sigma"].as<double>(0.0);  // or "sequence"
-    if (pixel_sigma > 0.0) stored.pixel_sigma = pixel_sigma;
-    const std::string sequence = root["sequence"]["path"].as<std::string>("");
-    if (!sequence.empty()) stored.sequence = sequence;
+    const YAML::Node root = load_yaml_node(file, read_text_file(file));
+    if (!root.IsMap()) throw InputError(file, 1, "must be a map of keys to values");
+    stored.own = text_at(root, "format") == run_files::kFormat;
+    stored.estimator = printable(text_at(root, "estimator"));
+    if (const YAML::Node configuration = root["configuration"];
+        configuration && configuration.IsMap()) {
+      read_configuration(file, configuration, stored);
+    }
+    if (const YAML::Node sequence = root["sequence"]; sequence && sequence.IsMap()) {
+      const std::string path = text_at(sequence, "path");
+      if (!path.empty()) stored.sequence = path;
+      stored.sequence_sha256 = text_at(sequence, "sha256");
+    }
   } catch (const YAML::Exception& error) {
     throw InputError(file, error.mark.line + 1, error.msg);
   }
@@ -169,11 +167,11 @@ StoredRun read_run(const Path& folder) {
   StoredRun stored;
   RunResult& run = stored.run;
   read_description(folder / run_files::kDescription, stored);
-  run.filtered = read_trajectory(folder / run_files::kTrajectory);
-  read_covariances(folder / run_files::kPoseCovariance, run.filtered);
+  run.filtered = read_tum(folder / run_files::kTrajectory);
+  read_covariances(folder / run_files::kPoseCovariance, stored.own, run.filtered);
   if (std::filesystem::exists(folder / run_files::kTrajectorySmoothed)) {
-    run.smoothed = read_trajectory(folder / run_files::kTrajectorySmoothed);
-    read_covariances(folder / run_files::kPoseCovarianceSmoothed, run.smoothed);
+    run.smoothed = read_tum(folder / run_files::kTrajectorySmoothed);
+    read_covariances(folder / run_files::kPoseCovarianceSmoothed, stored.own, run.smoothed);
   }
   run.frames.resize(run.filtered.size(), -1);  // a trajectory knows times, not frame numbers
   run.frames_offered = static_cast<int>(run.filtered.size());

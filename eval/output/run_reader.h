@@ -1,10 +1,12 @@
-// Reads a run folder back, also one made elsewhere: `trajectory.tum` is enough.
+// Reads a run folder back, also one made elsewhere: `trajectory.tum` is enough. `run.yaml` may hold
+// no more than `estimator: NAME`.
 //
 // Without pose_covariance.csv the covariances are NaN (no NEES); without the other files there are
 // no landmarks, classification or timing. Throws InputError with file, line and reason.
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -14,9 +16,12 @@
 namespace slammot {
 
 struct StoredRun {
-  std::string estimator;                          // empty where run.yaml is missing
-  std::string landmark;                           // its landmark model, likewise
+  std::string estimator;  // empty where run.yaml is missing
+  std::string landmark;   // its landmark model, likewise
+  bool own = false;       // run.yaml is in the format of this program
+  std::map<std::string, std::string> configuration;
   std::optional<std::filesystem::path> sequence;  // that it was made from
+  std::string sequence_sha256;                    // its content, likewise
   double gate_probability = 0.95;
   std::optional<double> pixel_sigma;  // [px], that it was made with
   RunResult run;

@@ -4,8 +4,8 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
-#include <fstream>
 
+#include "datasets/output/output_files.h"
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_json.h"
 #include "eval/output/run_files.h"
@@ -14,12 +14,6 @@ namespace slammot {
 namespace {
 
 using Path = std::filesystem::path;
-
-std::ofstream open(const Path& file) {
-  std::ofstream stream(file, std::ios::binary);
-  stream.exceptions(std::ios::badbit | std::ios::failbit);
-  return stream;
-}
 
 // 17 significant digits read back to the same double; `nan` has no sign.
 std::string text(double value) { return std::isnan(value) ? "nan" : fmt::format("{:.17g}", value); }
@@ -54,9 +48,8 @@ std::string triangle_head(const std::string& prefix, int size) {
   return line;
 }
 
-void write_trajectory(const Path& file, const std::vector<CameraEstimate>& cameras,
+void write_trajectory(std::ostream& out, const std::vector<CameraEstimate>& cameras,
                       const char* which) {
-  std::ofstream out = open(file);
   out << "# " << which << " camera: timestamp tx ty tz qx qy qz qw, T_WC [s, m]\n";
   for (const CameraEstimate& camera : cameras) {
     const Eigen::Vector4d q = camera.state.orientation.coeffs();  // x y z w
@@ -65,8 +58,7 @@ void write_trajectory(const Path& file, const std::vector<CameraEstimate>& camer
   }
 }
 
-void write_covariances(const Path& file, const std::vector<CameraEstimate>& cameras) {
-  std::ofstream out = open(file);
+void write_covariances(std::ostream& out, const std::vector<CameraEstimate>& cameras) {
   out << "# covariance of the error [dr (W) m, dtheta (C, right: R_true = R_est Exp(dtheta)) rad]\n"
       << "timestamp" << triangle_head("p", 6) << '\n';
   for (const CameraEstimate& camera : cameras) {
@@ -75,8 +67,7 @@ void write_covariances(const Path& file, const std::vector<CameraEstimate>& came
   }
 }
 
-void write_landmarks(const Path& file, const std::vector<LandmarkRecord>& landmarks) {
-  std::ofstream out = open(file);
+void write_landmarks(std::ostream& out, const std::vector<LandmarkRecord>& landmarks) {
   out << "# estimates after `frame`, W [m, m/s]; covariances of true minus estimated; nan: not "
          "defined\n"
       << "track,frame,label,x,y,z,vx,vy,vz" << triangle_head("p", 3) << triangle_head("v", 3)
@@ -89,8 +80,7 @@ void write_landmarks(const Path& file, const std::vector<LandmarkRecord>& landma
   }
 }
 
-void write_classification(const Path& file, const std::vector<ClassificationRecord>& records) {
-  std::ofstream out = open(file);
+void write_classification(std::ostream& out, const std::vector<ClassificationRecord>& records) {
   out << "# landmarks that had to be classified: not those known or of the first frame;\n"
       << "# observations: used until the decision, or in all where there is none\n"
       << "track,truth,label,frame,observations\n";
@@ -101,8 +91,7 @@ void write_classification(const Path& file, const std::vector<ClassificationReco
   }
 }
 
-void write_timing(const Path& file, const std::vector<StageTime>& timing) {
-  std::ofstream out = open(file);
+void write_timing(std::ostream& out, const std::vector<StageTime>& timing) {
   out << "frame,stage,milliseconds,state_size\n";
   for (const StageTime& t : timing) {
     out << t.frame << ',' << t.stage << ',' << text(t.milliseconds) << ',' << t.state_size << '\n';
@@ -119,7 +108,7 @@ void write_provenance(YAML::Emitter& yaml, const Provenance& made_by) {
   yaml << YAML::EndMap;
 }
 
-void write_description(const Path& file, const RunDescription& d) {
+void write_description(std::ostream& out, const RunDescription& d) {
   const Path sequence = d.sequence.empty() ? d.sequence : std::filesystem::absolute(d.sequence);
   YAML::Emitter yaml;
   yaml << YAML::BeginMap << YAML::Key << "format" << YAML::Value << run_files::kFormat;
@@ -140,7 +129,33 @@ void write_description(const Path& file, const RunDescription& d) {
     yaml << YAML::Key << key << YAML::Value << value;
   }
   yaml << YAML::EndMap << YAML::EndMap;
-  open(file) << yaml.c_str() << '\n';
+  out << yaml.c_str() << '\n';
+}
+
+void add_results(OutputFiles& files, const Path& folder, const RunResult& run,
+                 const Json& metrics) {
+  const auto write = [&](const char* name, const std::function<void(std::ostream&)>& content) {
+    files.write(folder / name, content);
+  };
+  using Out = std::ostream&;
+  write(run_files::kTrajectory, [&](Out out) { write_trajectory(out, run.filtered, "filtered"); });
+  write(run_files::kPoseCovariance, [&](Out out) { write_covariances(out, run.filtered); });
+  if (run.smoothed.empty()) {
+    // A folder may hold an older run, of an estimator that smooths.
+    files.leave_out(folder / run_files::kTrajectorySmoothed);
+    files.leave_out(folder / run_files::kPoseCovarianceSmoothed);
+  } else {
+    write(run_files::kTrajectorySmoothed,
+          [&](Out out) { write_trajectory(out, run.smoothed, "smoothed"); });
+    write(run_files::kPoseCovarianceSmoothed,
+          [&](Out out) { write_covariances(out, run.smoothed); });
+  }
+  const auto& landmarks = run.every_frame.empty() ? run.landmarks : run.every_frame;
+  write(run_files::kLandmarks, [&](Out out) { write_landmarks(out, landmarks); });
+  write(run_files::kClassification,
+        [&](Out out) { write_classification(out, run.classification); });
+  write(run_files::kTiming, [&](Out out) { write_timing(out, run.timing); });
+  write(run_files::kMetrics, [&](Out out) { out << metrics.dump(1) << '\n'; });
 }
 
 }  // namespace
@@ -148,23 +163,20 @@ void write_description(const Path& file, const RunDescription& d) {
 void write_run(const Path& folder, const RunDescription& description, const RunResult& run,
                const RunMetrics& metrics) {
   std::filesystem::create_directories(folder);
-  write_description(folder / run_files::kDescription, description);
-  write_trajectory(folder / run_files::kTrajectory, run.filtered, "filtered");
-  write_covariances(folder / run_files::kPoseCovariance, run.filtered);
-  // A folder may hold an older run, of an estimator that smooths.
-  std::filesystem::remove(folder / run_files::kTrajectorySmoothed);
-  std::filesystem::remove(folder / run_files::kPoseCovarianceSmoothed);
-  if (!run.smoothed.empty()) {
-    write_trajectory(folder / run_files::kTrajectorySmoothed, run.smoothed, "smoothed");
-    write_covariances(folder / run_files::kPoseCovarianceSmoothed, run.smoothed);
-  }
-  write_landmarks(folder / run_files::kLandmarks,
-                  run.every_frame.empty() ? run.landmarks : run.every_frame);
-  write_classification(folder / run_files::kClassification, run.classification);
-  write_timing(folder / run_files::kTiming, run.timing);
+  OutputFiles files;
+  files.write(folder / run_files::kDescription,
+              [&](std::ostream& out) { write_description(out, description); });
   Json json = metrics_json(metrics);
   json["provenance"] = json_of(description.made_by);
-  open(folder / run_files::kMetrics) << json.dump(1) << '\n';
+  add_results(files, folder, run, json);
+  files.put_in_place();
+}
+
+void write_results(const Path& folder, const RunResult& run, const RunMetrics& metrics) {
+  std::filesystem::create_directories(folder);
+  OutputFiles files;
+  add_results(files, folder, run, metrics_json(metrics));
+  files.put_in_place();
 }
 
 }  // namespace slammot

@@ -26,7 +26,12 @@ struct RunDescription {
   Provenance made_by = provenance();
 };
 
+// All files or none. Replaces an earlier run: ask require_output() first.
 void write_run(const std::filesystem::path& folder, const RunDescription& description,
                const RunResult& run, const RunMetrics& metrics);
+
+// All files but run.yaml.
+void write_results(const std::filesystem::path& folder, const RunResult& run,
+                   const RunMetrics& metrics);
 
 }  // namespace slammot

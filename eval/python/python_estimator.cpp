@@ -9,9 +9,7 @@
 namespace slammot {
 namespace {
 
-using Json = nlohmann::json;
-
-constexpr std::string_view kPrefix = "python:";
+using Json = nlohmann::ordered_json;
 
 // The script is at fault: with its file and line.
 struct ScriptError : std::runtime_error {
@@ -132,12 +130,12 @@ class PythonEstimator final : public Estimator {
 }  // namespace
 
 std::optional<PythonClass> python_class(const std::string& estimator) {
-  if (!estimator.starts_with(kPrefix)) return std::nullopt;
+  if (!estimator.starts_with(kPythonPrefix)) return std::nullopt;
   const std::size_t colon = estimator.rfind(':');
-  if (colon < kPrefix.size() || colon + 1 == estimator.size()) {
+  if (colon < kPythonPrefix.size() || colon + 1 == estimator.size()) {
     throw std::invalid_argument("'" + estimator + "' is not of the form python:FILE.py:Class");
   }
-  return PythonClass{estimator.substr(kPrefix.size(), colon - kPrefix.size()),
+  return PythonClass{estimator.substr(kPythonPrefix.size(), colon - kPythonPrefix.size()),
                      estimator.substr(colon + 1)};
 }
 

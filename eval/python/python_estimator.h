@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct PythonClass {
   std::string file;
   std::string name;
 };
+
+inline constexpr std::string_view kPythonPrefix = "python:";
 
 // The parts of `python:FILE.py:Class`; nothing for other names. Throws std::invalid_argument for
 // one that begins so and has no class.

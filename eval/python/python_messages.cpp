@@ -3,7 +3,7 @@
 namespace slammot {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 template <typename Vector>
 Json numbers(const Vector& values) {
@@ -12,12 +12,12 @@ Json numbers(const Vector& values) {
   return json;
 }
 
-double number(const Json& json) { return json.is_null() ? kUndefined : json.get<double>(); }
+double number_from(const Json& json) { return json.is_null() ? kUndefined : json.get<double>(); }
 
 template <int kRows>
 Eigen::Matrix<double, kRows, 1> vector_from(const Json& json) {
   Eigen::Matrix<double, kRows, 1> values;
-  for (int i = 0; i < kRows; ++i) values[i] = number(json.at(static_cast<std::size_t>(i)));
+  for (int i = 0; i < kRows; ++i) values[i] = number_from(json.at(static_cast<std::size_t>(i)));
   return values;
 }
 
@@ -29,7 +29,7 @@ Eigen::Matrix<double, kSize, kSize> square_from(const Json& json) {
   if (json.is_null()) return matrix;
   for (int i = 0; i < kSize; ++i) {
     for (int j = 0; j < kSize; ++j) {
-      matrix(i, j) = number(json.at(static_cast<std::size_t>(i * kSize + j)));
+      matrix(i, j) = number_from(json.at(static_cast<std::size_t>(i * kSize + j)));
     }
   }
   return matrix;
@@ -137,13 +137,18 @@ LandmarkEstimate landmark_from(const Json& json) {
   return landmark;
 }
 
+// What the script does not state is no reason to warn.
 FrameReport report_from(const Json& json) {
   FrameReport report;
+  report.joint_nis = kUndefined;
+  if (json.is_null()) return report;
   report.accepted = json.at("accepted").get<int>();
   report.rejected = json.at("rejected").get<int>();
   report.admitted = json.at("admitted").get<int>();
   report.state_size = json.at("state_size").get<int>();
-  report.nis_sum = number(json.at("nis_sum"));
+  report.nis_sum = number_from(json.at("nis_sum"));
+  report.accepted_static = optional_int(json.at("accepted_static")).value_or(report.accepted);
+  report.joint_nis = report.accepted > 0 ? number_from(json.at("joint_nis")) : 0.0;
   return report;
 }
 

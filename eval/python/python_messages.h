@@ -17,12 +17,12 @@
 
 namespace slammot {
 
-nlohmann::json setup_message(const Setup& setup);
-nlohmann::json frame_message(const Frame& frame);
+nlohmann::ordered_json setup_message(const Setup& setup);
+nlohmann::ordered_json frame_message(const Frame& frame);
 
-// They throw nlohmann::json::exception for what is not of this form.
-CameraEstimate camera_from(const nlohmann::json& json);
-LandmarkEstimate landmark_from(const nlohmann::json& json);
-FrameReport report_from(const nlohmann::json& json);
+// They throw nlohmann::ordered_json::exception for what is not of this form.
+CameraEstimate camera_from(const nlohmann::ordered_json& json);
+LandmarkEstimate landmark_from(const nlohmann::ordered_json& json);
+FrameReport report_from(const nlohmann::ordered_json& json);
 
 }  // namespace slammot

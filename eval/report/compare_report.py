@@ -8,6 +8,7 @@ import sys
 
 import figures
 import pictures
+import pooled_verdict
 import tables
 import verdict
 from comparison import read_comparison
@@ -22,7 +23,7 @@ def page(output):
         ("nees", figures.nees(comparison)),
         ("runtime", figures.runtime(comparison))) if figure}
     return rendered("compare.html", "page.js", charts, charts=charts, comparison=comparison,
-                    findings=verdict.findings(comparison), verdict=verdict, tables=tables,
+                    findings=(pooled_verdict if comparison.pooled else verdict).findings(comparison), verdict=verdict, tables=tables,
                     pictures=pictures.of_runs(output, comparison.runs))
 
 

@@ -24,6 +24,7 @@ class Run:
     label: str
     name: str  # what the page calls it
     estimator: str
+    kind: str      # filter | smoother | batch | ideal_covariance | foreign
     landmark: str
     colour: str
     metrics: dict
@@ -33,6 +34,7 @@ class Run:
     configuration: dict
     position_sigma: dict = field(default_factory=dict)  # timestamp: sqrt(trace(P_rr)) [m]
     landmarks: list = field(default_factory=list)       # final: (track, label, x, y, z)
+    labels: dict = field(default_factory=dict)          # of the landmarks that had to be classified: label to count
 
     def metric(self, *path):
         """A metric by its path in metrics.json, None where it is not defined."""
@@ -48,6 +50,23 @@ class Run:
     def divergence(self):
         return self.metric("divergence")
 
+    @property
+    def failed_at(self):
+        return self.metric("failed_at")
+
+
+@dataclass
+class Estimator:
+    """What all runs of an estimator say together."""
+    name: str
+    colour: str
+    runs: int
+    diverged: int
+    failed: int
+    values: dict     # key of a metric to {value, lower, upper, runs}
+    anees: dict      # part to {dof, mean, lower, upper, inside, infinite}
+    per_frame: dict
+
 
 @dataclass
 class Comparison:
@@ -58,10 +77,26 @@ class Comparison:
     truth: dict
     table: dict  # key to metrics.Metric
     runs: list
+    estimators: list  # their runs put together
+    pairs: list
 
     @property
     def has_truth(self):
         return bool(self.truth.get("position"))
+
+    @property
+    def pooled(self):
+        """Whether some estimator has several runs: the page then is about estimators."""
+        return any(estimator.runs > 1 for estimator in self.estimators)
+
+    @property
+    def aligned(self):
+        """On measured truth errors are those after similarity alignment."""
+        return self.has_truth and not self.sequence["exact_truth"]
+
+    @property
+    def error_key(self):
+        return "ate_sim3_m" if self.aligned else "position_rmse_m"
 
 
 def dig(tree, *path):
@@ -124,21 +159,63 @@ def read_final_landmarks(path):
     return list(newest.values())
 
 
+def read_label_counts(path):
+    counts = {}
+    for row in rows_of(path):
+        counts[row["label"]] = counts.get(row["label"], 0) + 1
+    return counts
+
+
+def placed(alignment, p):
+    """A point of the estimate in the frame and scale of the measured truth."""
+    return [alignment["scale"] * sum(r * x for r, x in zip(row, p)) + t
+            for row, t in zip(alignment["rotation"], alignment["translation"])]
+
+
+def in_frame_of_truth(series):
+    """Where the page draws the estimate: aligned on measured truth, as it is elsewhere."""
+    if "alignment" in series:
+        series["position"] = [placed(series["alignment"], p) for p in series["position"]]
+        series["position_error_m"] = series["aligned_position_error_m"]
+    return series
+
+
+def with_settings(entry):
+    settings = {key: value for key, value in entry.get("overrides", {}).items() if key != "landmark"}
+    return ", ".join([entry["estimator"], *(f"{key} = {value}" for key, value in settings.items())])
+
+
 def named(entries):
     """`estimator · landmark model`, or the label where that does not tell the runs apart; of one without models its label."""
-    names = [e["label"] if e["landmark"] == "-" else f"{e['estimator']} · {e['landmark']}" for e in entries]
+    names = [e["label"] if e["landmark"] == "-" else " · ".join(filter(None, (with_settings(e), e["landmark"]))) for e in entries]
     return names if len(set(names)) == len(names) else [e["label"] for e in entries]
 
 
 def read_run(output, entry, table, name, colour):
     folder = output / entry["folder"]
+    series = in_frame_of_truth(entry.get("series") or {})
+    landmarks = read_final_landmarks(folder / "landmarks.csv")
+    if "alignment" in series:
+        landmarks = [(track, label, *placed(series["alignment"], p)) for track, label, *p in landmarks]
     return Run(
-        label=entry["label"], name=name, estimator=entry["estimator"], landmark=entry["landmark"],
-        colour=colour, metrics=entry.get("metrics") or {}, table=table, series=entry.get("series") or {},
-        smoothed_series=entry.get("smoothed_series") or {},
+        label=entry["label"], name=name, estimator=entry["estimator"], kind=entry.get("kind", ""), landmark=entry["landmark"],
+        colour=colour, metrics=entry.get("metrics") or {}, table=table, series=series,
+        smoothed_series=in_frame_of_truth(entry.get("smoothed_series") or {}),
         configuration=entry.get("configuration") or {},
-        position_sigma=read_position_sigma(folder / "pose_covariance.csv"),
-        landmarks=read_final_landmarks(folder / "landmarks.csv"))
+        # What is stated of the position is not about the aligned one.
+        position_sigma={} if "alignment" in series else read_position_sigma(folder / "pose_covariance.csv"),
+        landmarks=landmarks, labels=read_label_counts(folder / "classification.csv"))
+
+
+def read_estimators(entries):
+    return [Estimator(name=e["name"], colour=RUN_COLOURS[i % len(RUN_COLOURS)], runs=e["runs"], diverged=e["diverged"],
+                      failed=e["failed"], values=e["values"], anees=e["anees"], per_frame=e["per_frame"] or {})
+            for i, e in enumerate(entries)]
+
+
+def colour_of(entry, i, estimators):
+    """Runs of one estimator have its colour."""
+    return next((e.colour for e in estimators if e.name == entry.get("pooled")), RUN_COLOURS[i % len(RUN_COLOURS)])
 
 
 def read_comparison(output):
@@ -147,9 +224,11 @@ def read_comparison(output):
     try:
         entries = content["runs"]
         table = read_table(content["metrics"])
-        runs = [read_run(path.parent, entry, table, name, RUN_COLOURS[i % len(RUN_COLOURS)])
+        estimators = read_estimators(content.get("estimators", []))
+        runs = [read_run(path.parent, entry, table, name, colour_of(entry, i, estimators))
                 for i, (entry, name) in enumerate(zip(entries, named(entries)))]
         return Comparison(command=content["command"], version=content["version"], provenance=content.get("provenance", {}),
-                          sequence=content["sequence"], truth=content.get("truth") or {}, table=table, runs=runs)
+                          sequence=content["sequence"], truth=content.get("truth") or {}, table=table, runs=runs,
+                          estimators=estimators, pairs=content.get("pairs", []))
     except KeyError as error:
         raise BadInput(f"{path}: the key {error} is missing") from error

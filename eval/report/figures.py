@@ -37,12 +37,6 @@ def line(name, x, y, colour, **more):
     return {"type": "scatter", "mode": "lines", "name": name, "x": x, "y": y, "line": style, **more}
 
 
-def limits(values, margin=0.08):
-    low, high = min(values), max(values)
-    pad = margin * (high - low) or 1.0
-    return [low - pad, high + pad]
-
-
 def seconds(series, start):
     return [t - start for t in series.get("timestamp", [])]
 
@@ -53,8 +47,9 @@ def start_of(comparison):
 
 
 def sound(runs):
-    """The runs that may set a figure's scale: a diverged one would hide all others."""
-    return [run for run in runs if run.divergence is None] or runs
+    """The runs that may set a figure's scale: one that diverged or failed would hide all others."""
+    finished = [run for run in runs if run.divergence is None]
+    return [run for run in finished if run.failed_at is None] or finished or runs
 
 
 def clean(values):
@@ -68,7 +63,7 @@ def path_above(name, positions, colour, **more):
 
 
 def points_above(name, points, kinds, colour, **more):
-    marker = {"symbol": [SYMBOLS[kind] for kind in kinds], "color": colour, "size": 5, "opacity": 0.7}
+    marker = {"symbol": [SYMBOLS[kind] for kind in kinds], "color": colour, "size": 7, "opacity": 0.7}
     return {"type": "scatter", "mode": "markers", "name": name, "marker": marker,
             "x": [p[0] for p in points], "y": [p[2] for p in points], **more}
 
@@ -89,38 +84,43 @@ def final_points(run, **more):
                         legendrank=2001, **more)
 
 
-def inner(landmarks):
-    """Positions without the outermost twentieth on every side, which may be as good as at infinity."""
-    cut = len(landmarks) // 20
-    kept = set.intersection(*(set(sorted(landmarks, key=lambda mark: mark[axis])[cut:-cut or None])
-                              for axis in (2, 4)))
-    return [mark[2:] for mark in kept]
+def representatives(comparison):
+    """The runs that are drawn one by one: all, or the first of each estimator that has several."""
+    if not comparison.pooled:
+        return comparison.runs
+    return list({run.colour: run for run in reversed(comparison.runs)}.values())[::-1]
+
+
+def around(path, axis_of, other):
+    """Limits that frame the path, with as much room about it as shows what is near."""
+    low, high = min(p[axis_of] for p in path), max(p[axis_of] for p in path)
+    width = max(high - low, max(p[other] for p in path) - min(p[other] for p in path)) or 1.0
+    return [low - 0.3 * width, high + 0.3 * width]
 
 
 def trajectory(comparison):
     truth = comparison.truth.get("position", [])
+    runs = representatives(comparison)
     traces = [true_points(comparison.truth)] if comparison.truth.get("landmarks") else []
-    mapped = [run for run in comparison.runs if run.landmarks]
+    mapped = [run for run in runs if run.landmarks]
     traces += [final_points(run, visible=True if run is mapped[0] else "legendonly")
                for run in mapped]
     if truth:
         traces.append(path_above("truth", truth, "#000000", width=3.2))
-    for run in comparison.runs:
+    for run in runs:
         traces.append(path_above(run.name, run.series.get("position", []), run.colour))
         if run.smoothed_series.get("position"):
             traces.append(path_above(f"{run.name}, smoothed", run.smoothed_series["position"],
                                      run.colour, dash="dash", visible="legendonly"))
-    framed = truth + [p for run in sound(comparison.runs) for p in run.series.get("position", [])]
-    framed += [entry["last"] for entry in comparison.truth.get("landmarks", [])]
-    framed += [p for run in sound(comparison.runs) for p in inner(run.landmarks)]
+    framed = truth + [p for run in sound(runs) for p in run.series.get("position", [])]
     if not framed:
         return None
     return {"data": traces, "layout": layout(
         640, legend={"x": 1.01, "y": 1, "xanchor": "left", "font": {"size": 12}},
         margin={"l": 56, "r": 8, "t": 12, "b": 48},
         modebar={"orientation": "h", "bgcolor": "rgba(0,0,0,0)", "color": "#b3b9c1"},
-        xaxis=axis("x [m]", range=limits([p[0] for p in framed]), constrain="domain"),
-        yaxis=axis("z [m]", range=limits([p[2] for p in framed]), scaleanchor="x", constrain="domain"))}
+        xaxis=axis("x [m]", range=around(framed, 0, 2), constrain="domain"),
+        yaxis=axis("z [m]", range=around(framed, 2, 0), scaleanchor="x", constrain="domain"))}
 
 
 # --- against time ----------------------------------------------------------------------------------
@@ -137,7 +137,50 @@ def error_ceiling(comparison):
     return 1.08 * max(max(errors), min(max(bounds, default=0.0), 1.5 * max(errors))) or 1.0
 
 
+def pooled_series(comparison):
+    """(estimator, seconds, its series over the frames) of the estimators that have any."""
+    start = start_of(comparison)
+    return [(e, seconds(e.per_frame, start), e.per_frame) for e in comparison.estimators if e.per_frame.get("timestamp")]
+
+
+def pooled_error(comparison):
+    """Root mean square over the runs; with two standard deviations as stated."""
+    traces = []
+    for e, times, f in pooled_series(comparison):
+        traces.append(line(e.name, times, f["position_rmse_m"], e.colour, legendgroup=e.name))
+        stated = [None if sigma is None else 2.0 * sigma for sigma in f["position_sigma_m"]]
+        if clean(stated):
+            traces.append(line(f"{e.name}: 2σ", times, stated, e.colour, dash="dot", width=1.3, legendgroup=e.name,
+                               showlegend=False))
+    if not traces:
+        return None
+    # A failed estimator must not hide the others; its line leaves the figure.
+    good = [e for e in comparison.estimators if not e.failed and not e.diverged] or comparison.estimators
+    top = max((v for e in good for v in clean(e.per_frame.get("position_rmse_m", []))), default=1.0)
+    return {"data": traces, "layout": layout(
+        380, xaxis=axis("time [s]"), yaxis=axis("RMS position error [m]", range=[0.0, 1.5 * top or 1.0]))}
+
+
+def pooled_nees(comparison):
+    """ANEES of each frame, and the interval of the largest number of runs."""
+    shown = [(e, times, f) for e, times, f in pooled_series(comparison) if clean(f.get("anees_pose", []))]
+    if not shown:
+        return None
+    most, times, f = max(shown, key=lambda entry: entry[0].runs)
+    traces = [
+        line("lower", times, f["anees_pose_lower"], MUTED, width=0, showlegend=False, hoverinfo="skip"),
+        line(f"95% interval of a consistent estimator, {most.runs} runs", times, f["anees_pose_upper"], MUTED, width=0,
+             fill="tonexty", fillcolor=BAND, hoverinfo="skip"),
+        line(f"expected: {NEES_DOF}", [times[0], times[-1]], [NEES_DOF, NEES_DOF], INK, dash="dash", width=1.2)]
+    traces += [line(e.name, t, s["anees_pose"], e.colour, width=1.4) for e, t, s in shown]
+    values = [v for _, _, s in shown for v in clean(s["anees_pose"])]
+    return {"data": traces, "layout": layout(
+        380, xaxis=axis("time [s]"), yaxis=axis("ANEES of the pose", type="log", **log_ticks(values)))}
+
+
 def position_error(comparison):
+    if comparison.pooled:
+        return pooled_error(comparison)
     start = start_of(comparison)
     traces = []
     for run in comparison.runs:
@@ -161,9 +204,9 @@ def position_error(comparison):
         yaxis=axis("position error [m]", range=[0.0, error_ceiling(comparison)]))}
 
 
-def log_ticks(runs):
+def log_ticks(values):
     """1, 2 and 5 of every decade where there are few decades; otherwise Plotly's own choice."""
-    values = [v for run in runs for v in clean(run.series["nees_pose"]) if v > 0.0]
+    values = [v for v in values if v > 0.0]
     low, high = (math.floor(math.log10(f(values, default=1.0))) for f in (min, max))
     if high - low > 3:
         return {}
@@ -172,6 +215,8 @@ def log_ticks(runs):
 
 
 def nees(comparison):
+    if comparison.pooled:
+        return pooled_nees(comparison)
     start = start_of(comparison)
     shown = [run for run in comparison.runs if clean(run.series.get("nees_pose", []))]
     if not shown:
@@ -186,7 +231,8 @@ def nees(comparison):
     traces += [line(run.name, seconds(run.series, start), run.series["nees_pose"], run.colour, width=1.4)
                for run in shown]
     return {"data": traces, "layout": layout(
-        380, xaxis=axis("time [s]"), yaxis=axis("NEES of the pose", type="log", **log_ticks(shown)))}
+        380, xaxis=axis("time [s]"), yaxis=axis("NEES of the pose", type="log",
+                                        **log_ticks([v for run in shown for v in clean(run.series["nees_pose"])])))}
 
 
 # --- cost ------------------------------------------------------------------------------------------
@@ -197,7 +243,7 @@ def stages_of(run):
 
 
 def runtime(comparison):
-    runs = [run for run in comparison.runs if stages_of(run)]
+    runs = [run for run in representatives(comparison) if stages_of(run)]
     if not runs:
         return None
     names = [run.name for run in runs]

@@ -3,12 +3,14 @@ import base64
 import gzip
 import importlib.util
 import json
+import os
 import pathlib
 import sys
 
 from comparison import BadInput
 
 HERE = pathlib.Path(__file__).resolve().parent
+GENERATOR = '<meta name="generator" content="slammot">'  # of base.html
 
 
 def plotly_source():
@@ -56,6 +58,23 @@ def rendered(name, script, data, **content):
         plotly=packed(plotly_source()) if drawn else None, **content)
 
 
+def write_aside(path, text):
+    """The file whole or not at all."""
+    unfinished = path.with_name(f"{path.stem}.{os.getpid()}.unfinished{path.suffix}")
+    try:
+        unfinished.write_text(text, encoding="utf-8")
+        os.replace(unfinished, path)
+    except OSError as error:
+        unfinished.unlink(missing_ok=True)
+        raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def require_own(report):
+    """Only a page of this program's is replaced."""
+    if report.exists() and GENERATOR not in report.read_text(encoding="utf-8", errors="replace")[:1000]:
+        raise BadInput(f"{report}: was not written by slammot: it is not replaced")
+
+
 def run_report(name, make):
     """The program `name.py OUTPUT`: the page that `make` returns for the folder goes to OUTPUT/report.html; the exit code."""
     if len(sys.argv) != 2:
@@ -63,7 +82,8 @@ def run_report(name, make):
         return 2
     output = pathlib.Path(sys.argv[1])
     try:
-        (output / "report.html").write_text(make(output), encoding="utf-8")
+        require_own(output / "report.html")
+        write_aside(output / "report.html", make(output))
     except (BadInput, OSError) as error:
         print(f"{name}: {error}", file=sys.stderr)
         return 2

@@ -2,8 +2,10 @@
 import pathlib
 from dataclasses import dataclass
 
+import metrics
 from comparison import RUN_COLOURS, BadInput
-from study_tables import estimators_of, is_ideal
+from study_axes import around, expected, explain, finite, grid, legend_above, pyplot
+from study_tables import error_name, error_of, estimators_of, is_batch, is_ideal, plain, value_of
 
 FEWEST = 3  # landmarks that make a box
 
@@ -24,23 +26,6 @@ def registered(draw):
     return draw
 
 
-def pyplot():
-    try:
-        import matplotlib
-    except ImportError as error:
-        raise BadInput("matplotlib: not found; install python3-matplotlib") from error
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "axes.spines.top": False,
-                         "axes.spines.right": False, "pdf.fonttype": 42, "svg.hashsalt": "slammot",
-                         "legend.frameon": False, "axes.titlesize": 8.5})
-    return plt
-
-
-def finite(values):
-    return [float("nan") if v is None else v for v in values]
-
-
 def colours(summary):
     labels = dict.fromkeys(cell["label"] for _, cell in estimators_of(summary))
     return {label: RUN_COLOURS[i % len(RUN_COLOURS)] for i, label in enumerate(labels)}
@@ -59,11 +44,6 @@ def ideal_of(group):
     return next((cell for cell in group["cells"] if is_ideal(cell) and "per_frame" in cell), None)
 
 
-def grid(plt, rows, columns, width, height):
-    """A figure and its rows of axes, each so many inches wide and high."""
-    return plt.subplots(rows, columns, figsize=(width * columns, height * rows), squeeze=False)
-
-
 def group_rows(plt, summary, columns, width, height):
     """A figure, and for each group (group, its row of axes, its cells): a cell is (cell, colour and label of its marks)."""
     colour = colours(summary)
@@ -71,17 +51,6 @@ def group_rows(plt, summary, columns, width, height):
               for g in summary["groups"] if plotted(g)]
     figure, rows = grid(plt, len(groups), columns, width, height)
     return figure, [(group, row, cells) for row, (group, cells) in zip(rows, groups)]
-
-
-def explain(axis, legend=8, columns=1, **names):
-    """Title, names, scales and limits of an axis, and a legend of what is plotted in it."""
-    axis.set(**names)
-    axis.legend(fontsize=legend, ncol=columns)
-
-
-def expected(axis, value):
-    """Where the mean NEES of a consistent estimator is."""
-    axis.axhline(value, color="black", linewidth=0.8, linestyle="--")
 
 
 def centred(count):
@@ -179,7 +148,7 @@ def classification_against_sweep(plt, summary):
             for kind, bad, name, colour, style in curves:
                 points = sweep_curve(groups, key, label, kind, bad)
                 axis.plot(*zip(*points), style, color=colour, marker="o", markersize=3, label=name)
-            explain(axis, title=f"{scenario}: {label}", xlabel=key, ylabel="ratio", ylim=(-0.02, 1.02))
+            explain(axis, title=f"{scenario}: {label}", xlabel=key, ylabel="ratio", ylim=(0, None))
     return figure, ("Classification against the threshold", "Ratios over all landmarks of all runs (thesis figures 4.1c and 4.1d).")
 
 
@@ -200,7 +169,6 @@ def classification(plt, summary):
             label_bar(axis, -i, cell[kind], named=i == 0)
         axis.set(title=f"truly {kind}", xlim=(0, 1), yticks=[-i for i in range(len(rows))])
         axis.set_yticklabels([f'{name}: {cell["label"]}' for name, cell in rows])
-    axes[0].legend(fontsize=8, ncol=3, loc="upper left", bbox_to_anchor=(0.0, -0.16 - 0.3 / len(rows)))
     return figure, ("Labels", "Shares of right, wrong and undecided landmarks, over all runs.")
 
 
@@ -223,8 +191,8 @@ def velocity(plt, summary):
         for axis, track in zip(row, cell["tracks"]):
             for k, colour in enumerate(("#D55E00", "#009E73", "#0072B2")):
                 velocity_component(axis, track, k, colour)
-            explain(axis, legend=7, columns=3, title=f'{cell["label"]}: target {track["track"]}', xlabel="frame",
-                    ylabel="velocity [m/s]", ylim=(-2.5, 2.5))
+            explain(axis, title=f'{cell["label"]}: target {track["track"]}', xlabel="frame",
+                    ylabel="velocity [m/s]", ylim=around([v for name in ("velocity", "truth") for x in track[name] for v in x if v is not None]))
     return figure, ("Estimated velocities", "Median over the runs. Shaded: two standard deviations as stated by the estimator. "
                     "Dashed: ground truth (thesis figures 3.1 and 3.2).")
 
@@ -232,15 +200,15 @@ def velocity(plt, summary):
 def cost_points(accuracy, consistency, cell, style):
     """A cell's RMSE with its interval, and its ANEES, against its time, where they are defined. A batch has its smoothed values and the
     time of its solution, divided by the frames: its filtered ones are those of its front window."""
-    batch = "smoothed_anees" in cell
-    rmse = cell.get("smoothed_position_rmse_m" if batch else "filtered_position_rmse_m")
+    rmse = error_of(cell)
     if not rmse or rmse["value"] is None:
         return
+    batch = is_batch(cell)
     value, low = rmse["value"], rmse["lower"]
     ms = cell["timing"]["frame_median_ms"] + cell["timing"]["smoothing_ms"] * batch / len(cell["per_frame"]["frame"])
     error = None if low is None else [[value - low], [rmse["upper"] - value]]
     accuracy.errorbar(ms, value, yerr=error, fmt="o", **style)
-    mean = cell["smoothed_anees" if batch else "anees"]["pose"]["mean"]
+    mean = cell["smoothed_anees" if batch else "anees"].get("pose", {}).get("mean")
     if mean is not None:
         consistency.plot(ms, mean, "o", **style)
 
@@ -252,15 +220,18 @@ def trade_off(plt, summary):
         for cell, style in cells:
             cost_points(accuracy, consistency, cell, style)
         expected(consistency, 6)
-        shared = {"legend": 7, "title": group["name"], "xlabel": "median time per frame [ms]", "xscale": "log"}
-        explain(accuracy, **shared, ylabel="position RMSE [m]", ylim=(0, None))
+        shared = {"title": group["name"], "xlabel": "median time per frame [ms]", "xscale": "log"}
+        explain(accuracy, **shared, ylabel=f"{error_name(group)} [m]", ylim=(0, None))
         explain(consistency, **shared, ylabel="ANEES of the pose (6 expected)", yscale="log")
+        if not any("pose" in cell["anees"] for cell, _ in cells):
+            consistency.text(0.5, 0.5, "not judged: the truth is measured", transform=consistency.transAxes, ha="center")
     return figure, ("Accuracy and consistency against cost", "Filtered estimates; for a batch, smoothed ones. Bars: 95% bootstrap intervals over runs (2000 resamples).")
 
 
 def anees_line(axis, cell, part, style):
     f = cell["per_frame"]
-    axis.plot(f["frame"], finite(f[f"anees_{part}"]), linewidth=1, **style)
+    if f"anees_{part}" in f:  # not with measured truth
+        axis.plot(f["frame"], finite(f[f"anees_{part}"]), linewidth=1, **style)
 
 
 @registered
@@ -271,10 +242,11 @@ def anees(plt, summary):
             for cell, style in cells:
                 anees_line(axis, cell, part, style)
             f = cells[0][0]["per_frame"]
-            axis.fill_between(f["frame"], f[f"anees_{part}_lower"], f[f"anees_{part}_upper"], color="black", alpha=0.12,
-                              linewidth=0, label="95% interval of a consistent estimator")
+            if f"anees_{part}" in f:
+                axis.fill_between(f["frame"], f[f"anees_{part}_lower"], f[f"anees_{part}_upper"], color="black", alpha=0.12,
+                                  linewidth=0, label="95% interval of a consistent estimator")
             expected(axis, dof)
-            explain(axis, legend=7, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES ({part})", yscale="log")
+            explain(axis, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES ({part})", yscale="log")
     return figure, ("Consistency of the camera", "NEES averaged over the runs, for each frame. A consistent estimator has 6 for the pose and 3 for position "
                     "and rotation.")
 
@@ -293,7 +265,7 @@ def landmark_anees(plt, summary):
                 anees_line(axis, cell, f"landmark_{part}", style)
                 interval_band(axis, f["frame"], f[f"anees_landmark_{part}_lower"], f[f"anees_landmark_{part}_upper"], style)
             expected(axis, 3)
-            explain(axis, legend=7, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES of landmarks ({part})",
+            explain(axis, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES of landmarks ({part})",
                     yscale="log")
     return figure, ("Consistency of the landmarks by frame", "NEES averaged over the landmarks measured in a frame and over the runs, "
                     "with 95% bootstrap interval over runs (2000 resamples). A consistent estimator has 3.")
@@ -312,23 +284,91 @@ def anees_by_age(plt, summary):
                     axis.plot(n, means, "o-", markersize=3, **style)
                     interval_band(axis, n, lower, upper, style)
             expected(axis, 3)
-            explain(axis, legend=7, title=f'{group["name"]}: {part}', xlabel="measurements of the landmark",
+            explain(axis, title=f'{group["name"]}: {part}', xlabel="measurements of the landmark",
                     ylabel=f"ANEES ({part})", xscale="log", yscale="log")
     return figure, ("Consistency of the landmarks by age", "NEES averaged over the landmarks of all runs with this number of measurements, "
                     "with 95% bootstrap interval over runs (2000 resamples). A consistent estimator has 3.")
+
+
+def swept_key(summary):
+    return next(key for group in summary["groups"] for key in group["sweep"])
+
+
+def against_sweep(plt, summary, key):
+    """Any number of the cells against the swept value, a line for each estimator."""
+    swept, table = swept_key(summary), metrics.read_table(summary["metrics"])
+    name = metrics.heading(table[key]) if key in table else plain(key)
+    scenarios, colour = by_scenario(summary), colours(summary)
+    figure, rows = grid(plt, len(scenarios), 1, 6.0, 3.2)
+    for (axis,), (scenario, groups) in zip(rows, scenarios.items()):
+        values = []
+        for label in colour:
+            cells = sorted((float(g["sweep"][swept]), c) for g in groups for c in plotted(g) if c["label"] == label)
+            points = [(x, e["value"], e["lower"], e["upper"]) for x, e in ((x, value_of(c, key)) for x, c in cells) if e and e["value"] is not None]
+            if not points:
+                continue
+            x, y, low, high = zip(*points)
+            axis.plot(x, y, "o-", markersize=4, color=colour[label], label=label)
+            values += [v for v in (*y, *low, *high) if v is not None]
+            if None not in low:
+                axis.fill_between(x, low, high, color=colour[label], alpha=0.18, linewidth=0)
+        if key.startswith("anees_"):
+            expected(axis, 6 if key == "anees_pose" else 3)
+        logs = {f"{which}scale": "log" for which, of in (("x", [float(g["sweep"][swept]) for g in groups]), ("y", values)) if is_wide(of)}
+        explain(axis, title=scenario, xlabel=swept, ylabel=name, **logs)
+    return figure, (f"{name[:1].upper()}{name[1:]} against {swept}",
+                    "Over all runs, with 95% bootstrap interval over runs (2000 resamples)" + (". Dashed: a consistent estimator." if key.startswith("anees_") else "."))
+
+
+def is_wide(values):
+    """Positive values over more than a factor of twenty are drawn on a logarithmic scale."""
+    return bool(values) and min(values) > 0 and max(values) > 20 * min(values)
+
+
+AXES = ("x [m]", "y [m]", "z [m]", "about x [rad]", "about y [rad]", "about z [rad]")
+
+
+@registered
+def error_axes(plt, summary):
+    cells = [(name, cell) for name, cell in plotted_cells(summary) if cell.get("axes")]
+    if not cells:
+        raise BadInput("error_axes: no first run with exact truth")
+    figure, rows = grid(plt, len(cells), 6, 2.6, 2.2)
+    colour = colours(summary)
+    for row, (name, cell) in zip(rows, cells):
+        axes = cell["axes"]
+        for k, axis in enumerate(row):
+            errors, sigma = finite([e[k] for e in axes["error"]]), finite([s[k] for s in axes["sigma"]])
+            axis.fill_between(axes["frame"], [-3 * s for s in sigma], [3 * s for s in sigma], color="black", alpha=0.12, linewidth=0, label="3σ as stated")
+            axis.plot(axes["frame"], errors, color=colour[cell["label"]], linewidth=1, label=cell["label"])
+            explain(axis, xlabel="frame", ylabel=AXES[k])
+        row[0].set_title(f'{name}: {cell["label"]}', loc="left")
+    return figure, ("Error of each axis", "True less estimated pose of the first run: position in the world, rotation in the camera. Shaded: three standard deviations as stated.")
+
+
+def drawn(plt, summary, name):
+    name, _, parameter = name.partition(":")
+    return against_sweep(plt, summary, parameter) if parameter else FIGURES[name](plt, summary)
+
+
+def file_of(name):
+    return name.replace(":", "_")
 
 
 def draw_all(summary, folder):
     folder.mkdir(parents=True, exist_ok=True)
     plt = pyplot()
     figures = []
-    for name in filter(FIGURES.__contains__, summary["figures"]):
+    for name in summary["figures"]:
+        if name not in FIGURES and ":" not in name:
+            continue  # a table
         if not any(plotted(group) for group in summary["groups"]):
             break  # every run failed at once: the tables say so
-        figure, (title, caption) = FIGURES[name](plt, summary)
+        figure, (title, caption) = drawn(plt, summary, name)
         figure.tight_layout()
-        figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None})
-        figure.savefig(folder / f"{name}.png", dpi=150, metadata={"Software": None})
+        legend_above(figure)
+        figure.savefig(folder / f"{file_of(name)}.pdf", metadata={"CreationDate": None}, bbox_inches="tight")
+        figure.savefig(folder / f"{file_of(name)}.png", dpi=150, metadata={"Software": None}, bbox_inches="tight")
         plt.close(figure)
-        figures.append(Figure(title, caption, folder / f"{name}.png"))
+        figures.append(Figure(title, caption, folder / f"{file_of(name)}.png"))
     return figures

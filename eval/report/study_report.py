@@ -9,8 +9,9 @@ import sys
 import ranking
 import study_figures
 import study_tables
+import study_verdict
 from comparison import read_json
-from page import rendered, run_report
+from page import rendered, run_report, write_aside
 
 FORMAT = "slammot-summary-2"
 
@@ -28,8 +29,8 @@ def tables_of(summary):
 def write_tables(tables, folder):
     folder.mkdir(parents=True, exist_ok=True)
     for name, table in tables.items():
-        (folder / f"{name}.csv").write_text(table.csv(), encoding="utf-8")
-        (folder / f"{name}.tex").write_text(table.latex(), encoding="utf-8")
+        write_aside(folder / f"{name}.csv", table.csv())
+        write_aside(folder / f"{name}.tex", table.latex())
 
 
 def inline(png):
@@ -42,10 +43,12 @@ def page(output):
     view = read_json(output / "view.json") if (output / "view.json").is_file() else None
     tables = tables_of(summary)
     write_tables(tables, output / "tables")
+    if summary.get("latex"):
+        (output / "tables" / "paper.tex").write_text(study_tables.paper_table(summary), encoding="utf-8")
     figures = study_figures.draw_all(summary, output / "figures")
     return rendered(
         "study.html", "view.js", view if view and view["runs"] else None,
-        summary=summary, tables=tables,
+        summary=summary, tables=tables, study_verdict=study_verdict,
         figures=[(f.title, f.caption, inline(f.png)) for f in figures])
 
 

@@ -2,7 +2,7 @@
 import csv
 import io
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import metrics
 
@@ -13,6 +13,7 @@ class Table:
     caption: str
     head: list
     rows: list  # of texts, as the head
+    classes: dict = field(default_factory=dict)  # (row, column) to a class of the page's style
 
     def csv(self):
         text = io.StringIO()
@@ -22,16 +23,35 @@ class Table:
         return text.getvalue()
 
     def latex(self):
-        lines = [r"\begin{tabular}{" + "l" * 2 + "r" * (len(self.head) - 2) + "}", r"\hline",
-                 " & ".join(map(escaped, self.head)) + r" \\", r"\hline"]
-        lines += [" & ".join(map(escaped, row)) + r" \\" for row in self.rows]
-        return "\n".join(lines + [r"\hline", r"\end{tabular}", ""])
+        return booktabs("l" * 2 + "r" * (len(self.head) - 2), list(map(escaped, self.head)), [list(map(escaped, row)) for row in self.rows])
+
+    def spans(self):
+        """For each row, over how many rows its first cell reaches; 0 below the first of equal ones."""
+        spans = []
+        for i, row in enumerate(self.rows):
+            same = i > 0 and row[0] == self.rows[i - 1][0]
+            reach = next((k for k in range(i, len(self.rows)) if self.rows[k][0] != row[0]), len(self.rows)) - i
+            spans.append(0 if same else reach)
+        return spans
+
+
+def booktabs(columns, head, rows):
+    """Lines of cells that are LaTeX already; a rule between groups of equal first cells, which stand once."""
+    lines = [r"% \usepackage{booktabs}", rf"\begin{{tabular}}{{{columns}}}", r"\toprule", " & ".join(head) + r" \\", r"\midrule"]
+    for i, row in enumerate(rows):
+        again = i > 0 and row[0] == rows[i - 1][0]
+        if i > 0 and not again and any(a[0] == b[0] for a, b in zip(rows, rows[1:])):
+            lines.append(r"\addlinespace")
+        lines.append(" & ".join(["" if again else row[0], *row[1:]]) + r" \\")
+    return "\n".join(lines + [r"\bottomrule", r"\end{tabular}", ""])
+
+
+LATEX = {**{c: "\\" + c for c in "&%$#_{}"}, "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}",
+         "–": "--", "−": "$-$", "∞": r"$\infty$", "σ": r"$\sigma$", "√": r"$\surd$"}
 
 
 def escaped(text):
-    for character in "&%$#_{}":
-        text = text.replace(character, "\\" + character)
-    return text.replace("–", "--").replace("∞", r"$\infty$")
+    return "".join(LATEX.get(character, character) for character in text)
 
 
 def number(value, digits=3):
@@ -68,43 +88,86 @@ def estimators_of(summary):
     return [(group, cell) for group, cell in cells_of(summary) if not is_ideal(cell)]
 
 
-def ideal_row(group, cell):
+def is_batch(cell):
+    """A batch is judged by what it is for: its filtered trajectory is its front window's."""
+    return "smoothed_anees" in cell
+
+
+def error_of(cell):
+    """The error by which estimators are compared: after alignment where the truth is measured."""
+    which = "smoothed" if is_batch(cell) else "filtered"
+    return cell.get(f"{which}_{'ate_sim3_m' if cell.get('aligned') else 'position_rmse_m'}")
+
+
+def error_name(group):
+    return "ATE Sim(3)" if any(cell.get("aligned") for cell in group["cells"]) else "position RMSE"
+
+
+def anees_class(part):
+    """How an ANEES stands to its expected value, where it has an interval over runs."""
+    if part.get("infinite"):
+        return "over"
+    low, high, dof = part.get("lower"), part.get("upper"), part.get("dof")
+    if low is None or high is None or low <= dof <= high:
+        return ""
+    return "over" if low > dof else "under"
+
+
+def anees_text(part):
+    if part.get("infinite") or part.get("lower") is None:
+        return anees_mean(part)
+    return with_interval({"value": part["mean"], "lower": part["lower"], "upper": part["upper"]})
+
+
+def ideal_sigma(cell):
     """The standard deviation of the position, root mean square over the frames."""
     sigma = [s for s in cell.get("per_frame", {}).get("position_sigma_m", []) if s is not None]
-    stated = math.sqrt(sum(s * s for s in sigma) / len(sigma)) if sigma else None
-    return [group["name"], cell["label"], str(cell["runs"]), str(len(cell["diverged"])), "–", number(stated)] + ["–"] * 10
+    return math.sqrt(sum(s * s for s in sigma) / len(sigma)) if sigma else None
+
+
+def summary_cells(cell):
+    """Head to (text, class)."""
+    if is_ideal(cell):
+        return {"runs": (str(cell["runs"]), ""), "diverged": (str(len(cell["diverged"])), ""), "position RMSE [m]": (number(ideal_sigma(cell)), "")}
+    anees = cell.get("smoothed_anees" if is_batch(cell) else "anees", {})
+    pose, position = anees.get("pose", {}), anees.get("position", {})
+    over_ideal, timing = cell.get("rmse_over_ideal", {}), cell.get("timing", {})
+    aligned = cell.get("aligned")
+    which = "smoothed" if is_batch(cell) else "filtered"
+    return {
+        "runs": (str(cell["runs"]), ""),
+        "failed": (str(len(cell["lost"])), "over" if cell["lost"] else ""),
+        "diverged": (str(len(cell["diverged"])), "over" if cell["diverged"] else ""),
+        "ATE Sim(3) [m]": (with_interval(cell.get(f"{which}_ate_sim3_m")) if aligned else "–", ""),
+        "scale": (with_interval(cell.get(f"{which}_sim3_scale")) if aligned else "–", ""),
+        "position RMSE [m]": (with_interval(cell.get(f"{which}_position_rmse_m")), ""),
+        "ANEES pose (6)": (anees_text(pose), anees_class(pose)),
+        "frames inside": (percent(pose["inside"], 1) if pose.get("inside") is not None else "–", ""),
+        "ANEES position (3)": (anees_text(position), anees_class(position)),
+        "RMSE over ideal sigma": (number(over_ideal.get("position")), ""),
+        "the same, median run": (with_interval(over_ideal.get("median")), ""),
+        "time per frame [ms]": (number(timing.get("frame_median_ms")), "")}
 
 
 def summary_table(summary):
-    rows = []
-    for group, cell in cells_of(summary):
-        if is_ideal(cell):
-            rows.append(ideal_row(group, cell))
-            continue
-        anees = cell.get("anees", {})
-        pose = anees.get("pose", {})
-        over_ideal = cell.get("rmse_over_ideal", {})
-        timing = cell.get("timing", {})
-        rows.append([
-            group["name"], cell["label"], str(cell["runs"]), str(len(cell["diverged"])), str(len(cell["lost"])),
-            with_interval(cell.get("filtered_position_rmse_m")), number(over_ideal.get("position")), with_interval(over_ideal.get("median")),
-            with_interval(cell.get("filtered_rotation_rmse_deg")),
-            anees_mean(pose), percent(pose["inside"], 1) if pose.get("inside") is not None else "–",
-            anees_mean(anees.get("position", {})),
-            with_interval(cell.get("nis_mean")), number((cell.get("nis_expected") or {}).get("value")),
-            with_interval(cell.get("smoothed_position_rmse_m")),
-            number(timing.get("frame_median_ms"))])
+    cells = [(group["name"], cell["label"], summary_cells(cell)) for group, cell in cells_of(summary)]
+    heads = [head for head in dict.fromkeys(head for _, _, of_cell in cells for head in of_cell)
+             if any(of_cell.get(head, ("–",))[0] != "–" for _, _, of_cell in cells)]
+    order = [h for h in ORDER if h in heads]
+    rows = [[group, label] + [of_cell.get(head, ("–", ""))[0] for head in order] for group, label, of_cell in cells]
+    classes = {(i, k + 2): of_cell[head][1] for i, (_, _, of_cell) in enumerate(cells) for k, head in enumerate(order) if head in of_cell}
     return Table(
         "Summary",
-        "Over all runs; brackets: 95% bootstrap intervals over runs (2000 resamples). A run has diverged when its state is no longer finite, "
-        "and has failed when its position error exceeds both 1 m and 10% of the path length. RMSE is over the runs that did not diverge. "
-        "RMSE over ideal sigma: ratio to the standard deviation of the ideal covariance, over all runs and for the median run. "
-        "ANEES is the NEES averaged over runs and frames; a consistent estimator has 6 (pose) and 3 (position). Interval coverage: frames "
-        "whose ANEES lies in its two-sided 95% interval. NIS is of the accepted measurements; expected NIS is that of a consistent estimator "
-        "with the same gate. The row of an ideal covariance gives its standard deviation: that of an EKF linearised at the truth, "
-        "with known labels, the fixed depth prior and no gate. It is no bound, and an estimator can have a smaller error. The filtered values of a batch are those of its front window; its own are the smoothed ones.",
-        ["scenario", "estimator", "runs", "diverged", "failed", "position RMSE [m]", "RMSE over ideal sigma", "RMSE over ideal sigma, median run", "rotation RMSE [deg]",
-         "ANEES pose", "interval coverage", "ANEES position", "NIS", "expected NIS", "smoothed RMSE [m]", "time per frame [ms]"], rows)
+        "Over all runs; brackets: 95% bootstrap intervals over runs (2000 resamples). Red: failed or diverged runs, and ANEES whose interval lies above "
+        "what a consistent estimator has (in parentheses); blue: below. Frames inside: those whose ANEES, over the runs, lies in its two-sided 95% interval. "
+        "A run has failed when its position error exceeds a tenth of the path, and has diverged when its state is no longer finite. RMSE is over the runs that "
+        "did not diverge; of a batch, values are smoothed ones. RMSE over ideal sigma: ratio to the standard deviation of the ideal covariance, that of an EKF "
+        "linearised at the truth, with known labels, the fixed depth prior and no gate; its row gives it. It is no bound. Other numbers: table Metrics.",
+        ["scenario", "estimator"] + order, rows, classes)
+
+
+ORDER = ("runs", "failed", "diverged", "ATE Sim(3) [m]", "scale", "position RMSE [m]", "ANEES pose (6)", "frames inside", "ANEES position (3)",
+         "RMSE over ideal sigma", "the same, median run", "time per frame [ms]")
 
 
 def anees_mean(part):
@@ -164,7 +227,7 @@ def classification_table(summary):
     if reference:
         rows.append(counts_row("published", reference["label"], reference["static"], reference["moving"]))
     for group, cell in estimators_of(summary):
-        if "static" in cell:
+        if sum(cell.get("static", [])) + sum(cell.get("moving", [])) > 0:
             rows.append(counts_row(group["name"], cell["label"], cell["static"], cell["moving"]))
             rows.append(counts_row(group["name"], f'{cell["label"]}, observed at least ten times',
                                    cell["static_often_seen"], cell["moving_often_seen"]))
@@ -190,8 +253,8 @@ def pairs_table(summary):
                          str(pair["wins_b"]), with_interval(difference)])
     return Table(
         "Paired comparisons",
-        "Both estimators use the same measurements. Wins: pairs with the smaller position RMSE (for a batch, of the smoothed trajectory); a diverged run loses. "
-        "Difference of the position RMSE: mean over the pairs in which both finished, 95% bootstrap interval (2000 resamples).",
+        "Both estimators use the same measurements. Wins: pairs with the smaller position RMSE (of a batch, of the smoothed trajectory; ATE Sim(3) where the "
+        "truth is measured); a diverged run loses. Difference: mean over the pairs in which both finished, 95% bootstrap interval (2000 resamples).",
         ["scenario", "pair", "pairs", "first wins", "second wins", "difference [m]"], rows)
 
 
@@ -215,6 +278,54 @@ def metrics_table(summary):
         "Metrics",
         f"Mean over the runs, or root mean square where the metric is an RMSE, with 95% bootstrap interval (2000 resamples); times: median over the runs. {explained}",
         ["scenario", "estimator"] + names, rows)
+
+
+def plain(key):
+    """What a column of a paper's table is called by default: the metric's name and unit."""
+    return {"anees_pose": "ANEES pose", "anees_position": "ANEES position", "anees_rotation": "ANEES rotation"}.get(key, key)
+
+
+def value_of(cell, key):
+    """A number of a cell by its key: a pooled metric (of a batch, smoothed), a time, or the ANEES of a part."""
+    which = "smoothed" if is_batch(cell) else "filtered"
+    if key.startswith("anees_"):
+        part = cell.get("smoothed_anees" if is_batch(cell) else "anees", {}).get(key[6:])
+        return part and {"value": part["mean"], "lower": part.get("lower"), "upper": part.get("upper")}
+    if key in cell.get("timing", {}):
+        return {"value": cell["timing"][key], "lower": None, "upper": None}
+    return cell.get(f"{which}_{key}") or cell.get(key)
+
+
+def best_of(key, values, table):
+    """The best values of a column in one scenario; none where the metric has no best."""
+    known = [v["value"] for v in values if v and v["value"] is not None]
+    if len(set(known)) < 2:
+        return None
+    if key.startswith("anees_"):
+        expected = 6 if key == "anees_pose" else 3
+        return min(known, key=lambda v: abs(v - expected))
+    better = table[key].better
+    return min(known) if better == "smaller" else max(known) if better == "larger" else None
+
+
+def paper_table(summary):
+    """LaTeX of the columns that the study asks for, with its own labels and caption; the best of a scenario in bold."""
+    wanted = summary["latex"]
+    table = metrics.read_table(summary["metrics"])
+    label = lambda name: escaped(wanted["labels"].get(name, name))
+    head = [wanted["labels"].get(key) or (metrics.heading(table[key]) if key in table else plain(key)) for key in wanted["columns"]]
+    rows = []
+    for group in summary["groups"]:
+        cells = [cell for cell in group["cells"] if not is_ideal(cell)]
+        values = [[value_of(cell, key) for key in wanted["columns"]] for cell in cells]
+        best = [best_of(key, column, table) for key, column in zip(wanted["columns"], zip(*values))]
+        for cell, row in zip(cells, values):
+            texts = [rf"\textbf{{{escaped(number(v['value']))}}}" if v and b is not None and v["value"] == b else
+                     escaped(number(v["value"]) if v else "–") for v, b in zip(row, best)]
+            rows.append([label(group["name"]), label(cell["label"]), *texts])
+    tabular = booktabs("ll" + "r" * len(head), ["", "", *map(escaped, head)], rows)
+    caption = rf"\caption{{{escaped(wanted['caption'])}}}" if wanted["caption"] else ""
+    return "\n".join(filter(None, [r"\begin{table}", r"\centering", caption, tabular.rstrip(), r"\end{table}", ""])) + "\n"
 
 
 def at_frames(failures):

@@ -26,8 +26,17 @@ def percent(ratio):
     return UNDEFINED if ratio is None else f"{100 * ratio:.0f}%"
 
 
+# Of a trajectory, in their order where the truth is measured: what a single camera can be judged by comes first.
+ALIGNED_FIRST = ("coverage", "ate_sim3_m", "sim3_scale", "ate_se3_m", "rpe_1s_position_rmse_m", "rpe_1s_rotation_rmse_deg")
+
+
 def columns(comparison, of):
-    return [metric for metric in comparison.table.values() if metric.of == of and metric.on_page]
+    shown_ones = [metric for metric in comparison.table.values() if metric.of == of and metric.on_page]
+    if comparison.aligned:
+        shown_ones.sort(key=lambda m: ALIGNED_FIRST.index(m.key) if m.key in ALIGNED_FIRST else len(ALIGNED_FIRST))
+    defined = [m for m in shown_ones if any(run.value(m.key, which) is not None
+                                            for run in comparison.runs for which in ("filtered", "smoothed"))]
+    return defined or shown_ones
 
 
 def frames(run):
@@ -71,6 +80,82 @@ def summary(comparison):
     return rows
 
 
+def with_interval(estimate, digits=3):
+    """value and, small, its interval over the runs."""
+    if not estimate or estimate["value"] is None:
+        return Cell(UNDEFINED)
+    low, high = estimate["lower"], estimate["upper"]
+    return Cell(shown(estimate["value"], digits), note="" if low is None else f"{shown(low, digits)} to {shown(high, digits)}")
+
+
+def verdict_class(part):
+    """How an ANEES stands to its degrees of freedom, where it has an interval over the runs."""
+    if part.get("infinite"):
+        return "over"
+    if part.get("lower") is None or part["lower"] <= part["dof"] <= part["upper"]:
+        return ""
+    return "over" if part["lower"] > part["dof"] else "under"
+
+
+def anees_cell(estimator, part):
+    a = estimator.anees.get(part)
+    if not a:
+        return Cell(UNDEFINED), ""
+    if a["infinite"] or a["mean"] is None:
+        return Cell("∞"), "over"
+    return with_interval({"value": a["mean"], "lower": a["lower"], "upper": a["upper"]}), verdict_class(a)
+
+
+POOLED = ("ate_sim3_m", "sim3_scale", "position_rmse_m", "ate_se3_m", "rpe_1s_position_rmse_m", "rotation_rmse_deg")
+
+
+def pooled_metrics(comparison):
+    keys = POOLED if comparison.aligned else ("position_rmse_m", *(k for k in POOLED if k != "position_rmse_m"))
+    return [comparison.table[key] for key in keys
+            if key in comparison.table and any(key in e.values for e in comparison.estimators)]
+
+
+ANEES = (("pose", 6), ("position", 3), ("rotation", 3))
+
+
+def pooled_head(comparison):
+    """(name, unit or expected value, caption) of each column; the error first, then consistency."""
+    first, *others = [(m.name, m.unit, m.caption) for m in pooled_metrics(comparison)] or [("error", "", "")]
+    return [("runs", "", ""), ("coverage", "", "poses judged, of the frames of the sequence"), ("failed", "", "runs"), ("diverged", "", "runs"), first,
+            *((f"ANEES {part}", f"{dof} expected", "NEES over runs and frames") for part, dof in ANEES), ("frames inside", "", ""), *others]
+
+
+def pooled(comparison):
+    """A row per estimator: (estimator, [(cell, class)])."""
+    rows = []
+    for e in comparison.estimators:
+        coverage = e.values.get("coverage") or {"value": None}
+        inside = e.anees.get("pose", {}).get("inside")
+        cells = [(Cell(str(e.runs)), ""), (Cell(percent(coverage["value"])), ""),
+                 (Cell(str(e.failed)), "over" if e.failed else ""), (Cell(str(e.diverged)), "over" if e.diverged else "")]
+        first, *others = [(with_interval(e.values.get(m.key)), "") for m in pooled_metrics(comparison)] or [(Cell(UNDEFINED), "")]
+        consistent = [anees_cell(e, part) for part, _ in ANEES]
+        rows.append((e, [*cells, first, *consistent, (Cell(percent(inside)), ""), *others]))
+    return rows
+
+
+def pairs(comparison):
+    """(names, cells) of each pair of estimators with runs on the same sequence."""
+    rows = []
+    names = {run.label: run.name for run in comparison.runs}
+    for pair in comparison.pairs:
+        if pair["pairs"]:
+            rows.append((" − ".join(names.get(pair[which], pair[which]) for which in "ab"),
+                         [Cell(str(pair["pairs"])), Cell(str(pair["wins_a"])), Cell(str(pair["wins_b"])),
+                          with_interval(pair["difference"])]))
+    return rows
+
+
+def labels(run):
+    """(label, count) of the landmarks that had to be classified; none without classification.csv."""
+    return [(name, run.labels.get(name, 0)) for name in ("static", "moving", "unknown")] if run.labels else []
+
+
 def classification(run):
     """Two rows (truly static, truly moving) of (count, share of the row) per label, or None."""
     table = []
@@ -82,6 +167,10 @@ def classification(run):
         table.append((kind, [(n, n / total if total else 0.0) for n in row],
                       percent(counts.get("misclassified")) if total else UNDEFINED))
     return table if any(n for _, row, _ in table for n, _ in row) else None
+
+
+def labelled(runs):
+    return [run for run in runs if run.labels or classification(run)]
 
 
 def configuration(runs):

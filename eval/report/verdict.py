@@ -10,8 +10,21 @@ SAME = 0.03  # a relative difference below this is not reported
 CONSERVATIVE, OVERCONFIDENT = 0.67, 1.5
 
 
-def rmse(run):
-    return run.value("position_rmse_m")
+def error(comparison):
+    """Of a run: the error that it is compared by."""
+    return lambda run: run.value(comparison.error_key)
+
+
+def error_name(comparison):
+    return "ATE Sim(3)" if comparison.aligned else "position RMSE"
+
+
+def alignment_of(comparison):
+    return "after similarity alignment" if comparison.aligned else "without alignment"
+
+
+WHY_ALIGNED = ("The truth is measured, and images of one camera tell neither frame nor scale: "
+               "errors here are after similarity alignment, and the scale stands beside them.")
 
 
 def nees_ratio(run):
@@ -48,6 +61,11 @@ def divergence(comparison):
     return [("Diverged", sentences)] if failed else []
 
 
+def failure(comparison):
+    failed = [run for run in comparison.runs if run.failed_at is not None]
+    return [("Failed", [f"{run.name} failed at frame {run.failed_at}: its error exceeds a tenth of the path." for run in failed])] if failed else []
+
+
 def within_landmark_model(rows):
     """The same landmark model under different estimators: the question this program is for."""
     sentences = []
@@ -65,17 +83,27 @@ def within_landmark_model(rows):
     return sentences
 
 
+def unmeasured(runs):
+    """Whether no run used a single measurement: then no estimator was compared."""
+    counts = [run.metric("coverage", name) for run in runs for name in ("accepted", "landmarks_admitted")]
+    return all(count == 0 for count in counts)
+
+
 def accuracy(comparison, runs):
-    rows = ranked(runs, rmse)
+    if unmeasured(runs):
+        return [("Accuracy", ["Not judged: no run used any measurement."])]
+    rows = ranked(runs, error(comparison))
+    why = [WHY_ALIGNED] if comparison.aligned else []
     if not rows:
         return [("Accuracy", ["Not known: the sequence has no ground truth."
                               if not comparison.has_truth else "No run has a defined accuracy."])]
     value, best = rows[0]
     if len(rows) == 1:
-        return [("Accuracy", [f"{best.name} has a position RMSE of {metres(value)}, without alignment."])]
+        article = "an" if comparison.aligned else "a"
+        return [("Accuracy", [f"{best.name} has {article} {error_name(comparison)} of {metres(value)}, {alignment_of(comparison)}.", *why])]
     others = ", ".join(f"{run.name} {metres(v)}" for v, run in rows[1:])
-    return [("Accuracy", [f"{best.name} is the most accurate: position RMSE {metres(value)}, without "
-                          f"alignment ({others}).", *within_landmark_model(rows)])]
+    return [("Accuracy", [f"{best.name} is the most accurate: {error_name(comparison)} {metres(value)}, {alignment_of(comparison)} "
+                          f"({others}).", *within_landmark_model(rows), *why])]
 
 
 def judged(ratio):
@@ -168,5 +196,5 @@ def findings(comparison):
     done = [run for run in comparison.runs if run.divergence is None]
     if not done:
         return divergence(comparison)
-    return [*divergence(comparison), *accuracy(comparison, done), *consistency(comparison, done),
+    return [*divergence(comparison), *failure(comparison), *accuracy(comparison, done), *consistency(comparison, done),
             *labels(done), *cost(comparison, done)]

@@ -2,7 +2,9 @@
 // error is left on <html> for whoever tests the page. Plotly's up is z; the world's y points down.
 "use strict";
 
-const COLOURS = ["#009E73", "#0072B2", "#D55E00"];  // unknown, static, moving
+const COLOURS = ["#CC79A7", "#0072B2", "#D55E00"];  // unknown, static, moving
+const SYMBOLS = ["square-open", "circle", "diamond"];
+const PATH = "#009E73";
 const NAMES = ["undecided", "static", "moving"];
 const SIDES = 16;
 
@@ -21,7 +23,7 @@ function line(name, points, colour, width, dash) {
 function centres(landmarks, label) {
   const own = landmarks.filter((l) => l[0] === label);
   return {type: "scatter3d", mode: "markers", name: NAMES[label], x: own.map((l) => l[1]), y: own.map((l) => l[3]),
-          z: own.map((l) => -l[2]), marker: {color: COLOURS[label], size: 2.5}, hoverinfo: "name"};
+          z: own.map((l) => -l[2]), marker: {color: COLOURS[label], symbol: SYMBOLS[label], size: 6, opacity: 0.8}, hoverinfo: "name"};
 }
 
 // Three ellipses through the half axes of each ellipsoid, in one trace with gaps.
@@ -48,9 +50,9 @@ function traces(run, step) {
   const here = truth ? [camera, truth] : [camera];
   return [
     line("true path", run.truth_path, "#000000", 2, "dash"),
-    line("estimated path", run.path.slice(0, Math.max(2, done)), "#CC79A7", 4, "solid"),
+    line("estimated path", run.path.slice(0, Math.max(2, done)), PATH, 5, "solid"),
     {type: "scatter3d", mode: "markers", name: "camera", x: here.map((p) => p[0]), y: here.map((p) => p[2]),
-     z: here.map((p) => -p[1]), marker: {color: ["#CC79A7", "#000000"], size: 5, symbol: "diamond"}},
+     z: here.map((p) => -p[1]), marker: {color: [PATH, "#000000"], size: 8, symbol: "cross"}},
     ...[0, 1, 2].map((label) => centres(landmarks, label)),
     ...[0, 1, 2].map((label) => ellipsoids(landmarks, label)),
   ];

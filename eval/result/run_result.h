@@ -4,6 +4,7 @@
 // A covariance that is not known is NaN, as in models/estimator.h.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,13 +23,15 @@ struct StageTime {
 // What happened in a frame, or the sums over frames (state_size: the largest).
 struct FrameCounts {
   int accepted = 0;
+  int accepted_static = 0;  // of static landmarks
   int rejected = 0;
   int out_of_view = 0;
   int admitted = 0;
   int pruned = 0;
   int negative_inverse_depth = 0;
   int state_size = 0;
-  double nis_sum = 0.0;  // over the accepted
+  double nis_sum = 0.0;    // over the accepted, each on its own
+  double joint_nis = 0.0;  // of the accepted of a frame together
 };
 
 struct LandmarkRecord {
@@ -65,12 +68,23 @@ struct Divergence {
   std::string reason;
 };
 
+// At which error and NEES are reported, in frames: up to the oldest of 5, 10, 20 and 40.
+inline constexpr int kLags[] = {1, 2, 4, 9, 19, 39};
+
+// What a run says against itself (self_check.h).
+struct RunWarning {
+  int frame = 0;  // where it begins
+  std::string reason;
+};
+
 struct RunResult {
   int frames_offered = 0;
-  std::vector<int> frames;                  // index of each frame done
-  std::vector<CameraEstimate> filtered;     // after each of them
-  std::vector<FrameCounts> counts;          // likewise; empty when read back
-  std::vector<CameraEstimate> smoothed;     // empty for a pure filter
+  std::vector<int> frames;               // index of each frame done
+  std::vector<CameraEstimate> filtered;  // after each of them
+  std::vector<FrameCounts> counts;       // likewise; empty when read back
+  std::vector<CameraEstimate> smoothed;  // empty for a pure filter
+  // By lag in frames: the camera so many frames ago, after each frame; velocities are not known.
+  std::map<int, std::vector<CameraEstimate>> lagged;
   std::vector<LandmarkRecord> landmarks;    // every track's newest landmark, see LandmarkHistory
   std::vector<LandmarkRecord> every_frame;  // all of every frame, where asked for
   std::vector<ClassificationRecord> classification;
@@ -79,6 +93,7 @@ struct RunResult {
   double smoothing_ms = 0.0;  // after the last frame
   FrameCounts totals;
   std::optional<Divergence> diverged;
+  std::vector<RunWarning> warnings;
 };
 
 }  // namespace slammot

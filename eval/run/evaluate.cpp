@@ -1,14 +1,19 @@
 #include "eval/run/evaluate.h"
 
+#include <fmt/format.h>
+
 #include <limits>
 
 #include "datasets/readers/reader.h"
+#include "eval/configuration/registry.h"
 #include "eval/metrics/label_truth.h"
 #include "eval/output/run_files.h"
-#include "eval/output/run_reader.h"
+#include "eval/trajectory/trajectory_file.h"
 
 namespace slammot {
 namespace {
+
+using Path = std::filesystem::path;
 
 // The sequence judged against decides what is true, not the file of the run.
 void take_truth_from(const Sequence& sequence, RunResult& run) {
@@ -22,22 +27,106 @@ void take_truth_from(const Sequence& sequence, RunResult& run) {
   }
 }
 
+Path resolved(const Path& path) {
+  std::error_code ignored;
+  const Path whole = std::filesystem::weakly_canonical(path, ignored);
+  return whole.has_filename() ? whole : whole.parent_path();
+}
+
+// `seed-07` of `dead_reckoning-07`: runs whose names differ by a number are of one estimator.
+std::string without_number(std::string name) {
+  const size_t digits = name.find_last_not_of("0123456789");
+  if (digits == std::string::npos) return "";
+  name.resize(digits + 1);
+  const size_t end = name.find_last_not_of("-_. ");
+  name.resize(end == std::string::npos ? 0 : end + 1);
+  return name;
+}
+
+std::string estimator_name(const Path& path, const StoredRun& stored) {
+  if (!stored.estimator.empty()) return stored.estimator;
+  const std::string name = without_number(run_name(path));
+  return name.empty() ? run_name(resolved(path).parent_path()) : name;
+}
+
+void convert_covariances(const ErrorConvention& convention, std::vector<CameraEstimate>& cameras) {
+  for (CameraEstimate& camera : cameras) {
+    auto P = camera.covariance.topLeftCorner<6, 6>();
+    P = to_our_error(P, convention, camera.state);
+  }
+}
+
+// A folder's trajectories, or a file's one, whose format says what error its covariances are of.
+StoredRun read_any(const Path& path, const Sequence& sequence, const ForeignOptions& foreign) {
+  StoredRun stored;
+  if (std::filesystem::is_directory(path)) {
+    stored = read_run(path);
+    if (!has_models(stored.estimator)) stored.landmark = "-";
+    if (stored.own) return stored;
+    convert_covariances(foreign.convention, stored.run.filtered);
+    convert_covariances(foreign.convention, stored.run.smoothed);
+  } else {
+    stored.run.filtered = read_trajectory(path, sequence.frames);
+  }
+  stored.run.frames_offered = static_cast<int>(sequence.frames.size());
+  return stored;
+}
+
+void place_in_time(const Path& path, const Sequence& sequence, const TimeMatching& times,
+                   RunResult& run) try {
+  run.filtered = at_frames(run.filtered, sequence.frames, times, run.frames);
+  std::vector<int> ignored;
+  if (!run.smoothed.empty()) {
+    run.smoothed = at_frames(run.smoothed, sequence.frames, times, ignored);
+  }
+} catch (const std::invalid_argument& error) {
+  throw InputError(path, 0, error.what());
+}
+
+void require_same_sequence(const Path& path, const StoredRun& stored, const Sequence& sequence) {
+  if (stored.sequence_sha256.empty() || stored.sequence_sha256 == sequence.sha256) return;
+  throw InputError(path / run_files::kDescription, 0,
+                   fmt::format("was made from a sequence with SHA-256 {:.8}.., but {} has {:.8}..; "
+                               "--force judges it all the same",
+                               stored.sequence_sha256, sequence.folder.string(), sequence.sha256));
+}
+
 }  // namespace
 
-NamedMetrics evaluate_run(const std::filesystem::path& folder,
-                          const std::optional<std::filesystem::path>& against) {
-  StoredRun stored = read_run(folder);
-  const std::optional<std::filesystem::path> path = against ? against : stored.sequence;
+std::string run_name(const Path& run) {
+  const Path path = resolved(run);
+  const bool file = std::filesystem::is_regular_file(path);
+  const std::string name = (file ? path.stem() : path.filename()).string();
+  return name.empty() ? "run" : name;
+}
+
+std::shared_ptr<const Sequence> Judge::sequence_at(const Path& path) {
+  std::shared_ptr<const Sequence>& sequence = sequences_[path];
+  if (!sequence) sequence = std::make_shared<const Sequence>(read_sequence(path));
+  return sequence;
+}
+
+JudgedRun Judge::operator()(const Path& run, const std::optional<Path>& against) {
+  if (!std::filesystem::exists(run)) throw InputError(run, 0, "no such run");
+  JudgedRun judged;
+  judged.path = run;
+  std::optional<Path> path = against;
+  if (!path && std::filesystem::is_directory(run)) path = read_run(run).sequence;
   if (!path) {
-    throw InputError(folder / run_files::kDescription, 0,
+    throw InputError(run / run_files::kDescription, 0,
                      "names no sequence: give one with --against");
   }
-  const Sequence sequence = read_sequence(*path);
-  take_truth_from(sequence, stored.run);
-  std::string label = folder.filename().string();
-  if (label.empty()) label = folder.parent_path().filename().string();  // a trailing slash
-  return {label, stored.estimator.empty() ? label : stored.estimator, stored.landmark,
-          compute_metrics(sequence, stored.run, stored.gate_probability)};
+  judged.sequence = sequence_at(*path);
+  judged.stored = read_any(run, *judged.sequence, options_.foreign);
+  if (!options_.force) require_same_sequence(run, judged.stored, *judged.sequence);
+  const TimeMatching exactly;
+  place_in_time(run, *judged.sequence, judged.stored.own ? exactly : options_.foreign.times,
+                judged.stored.run);
+  take_truth_from(*judged.sequence, judged.stored.run);
+  judged.estimator = estimator_name(run, judged.stored);
+  judged.metrics =
+      compute_metrics(*judged.sequence, judged.stored.run, judged.stored.gate_probability);
+  return judged;
 }
 
 }  // namespace slammot

@@ -6,6 +6,9 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "datasets/sequence/sha256.h"
+#include "datasets/text/text_table.h"
+
 extern "C" void openblas_set_num_threads(int);
 extern "C" char* openblas_get_corename();
 
@@ -29,6 +32,16 @@ void choose_blas_kernels(char** argv) {
   }
   setenv(kVariable, "SkylakeX", 1);
   execv("/proc/self/exe", argv);  // returns only when it fails: then the slow kernels serve
+}
+
+// Once: another build may replace the file while this one runs.
+const std::string& program_sha256() {
+  static const std::string hash = [] {
+    Sha256 sha;
+    sha.add(read_text_file("/proc/self/exe"));
+    return sha.hex();
+  }();
+  return hash;
 }
 
 }  // namespace slammot

@@ -1,6 +1,8 @@
 // How a program that runs estimators sets up its process, once, at its start.
 #pragma once
 
+#include <string>
+
 namespace slammot {
 
 // One BLAS thread, so that no result depends on the machine's number of cores and runs are what is
@@ -11,5 +13,8 @@ void prepare_process();
 // processor, where OpenBLAS does not know it. OPENBLAS_CORETYPE, when set, decides. On one machine
 // the same bytes follow either way; machines with other kernels round otherwise.
 void choose_blas_kernels(char** argv);
+
+// SHA-256 of the program's file, which tells one build from another.
+const std::string& program_sha256();
 
 }  // namespace slammot

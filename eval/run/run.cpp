@@ -5,6 +5,7 @@
 #include "eval/configuration/registry.h"
 #include "eval/configuration/setup.h"
 #include "eval/run/landmark_history.h"
+#include "eval/run/self_check.h"
 #include "eval/run/stage_clock.h"
 
 namespace slammot {
@@ -32,17 +33,20 @@ void require_finite_or_unknown(const Matrix12d& covariance) {
 
 FrameCounts counts_of(const FrameReport& report) {
   return {.accepted = report.accepted,
+          .accepted_static = report.accepted_static,
           .rejected = report.rejected,
           .out_of_view = report.out_of_view,
           .admitted = report.admitted,
           .pruned = static_cast<int>(report.retired.size()),
           .negative_inverse_depth = report.negative_inverse_depth,
           .state_size = report.state_size,
-          .nis_sum = report.nis_sum};
+          .nis_sum = report.nis_sum,
+          .joint_nis = report.joint_nis};
 }
 
 void add_to(FrameCounts& totals, const FrameCounts& counts) {
   totals.accepted += counts.accepted;
+  totals.accepted_static += counts.accepted_static;
   totals.rejected += counts.rejected;
   totals.out_of_view += counts.out_of_view;
   totals.admitted += counts.admitted;
@@ -50,11 +54,27 @@ void add_to(FrameCounts& totals, const FrameCounts& counts) {
   totals.negative_inverse_depth += counts.negative_inverse_depth;
   totals.state_size = std::max(totals.state_size, counts.state_size);
   totals.nis_sum += counts.nis_sum;
+  totals.joint_nis += counts.joint_nis;
 }
 
 void add_timing(StageClock& clock, int frame, int state_size, RunResult& result) {
   for (auto& [stage, milliseconds] : clock.finish()) {
     result.timing.push_back({frame, std::move(stage), milliseconds, state_size});
+  }
+}
+
+// What is no longer kept is left out. Not in the frame's time: nobody else asks.
+void add_lagged(const Estimator& estimator, RunResult& result) {
+  for (const int lag : kLags) {
+    const auto pose = estimator.pose_before(lag);
+    if (!pose) return;
+    const auto before = result.filtered.size() - 1 - static_cast<std::size_t>(lag);
+    CameraEstimate camera = result.filtered[before];
+    camera.state.position = pose->position;
+    camera.state.orientation = pose->orientation;
+    camera.covariance.setConstant(kUndefined);
+    camera.covariance.topLeftCorner<6, 6>() = pose->covariance;
+    result.lagged[lag].push_back(camera);
   }
 }
 
@@ -68,6 +88,7 @@ void drive_frame(const Frame& frame, Estimator& estimator, const DriveOptions& o
   require_finite_or_unknown(camera.covariance);
   result.frames.push_back(frame.index);
   result.filtered.push_back(camera);
+  add_lagged(estimator, result);
   result.counts.push_back(counts_of(report));
   add_to(result.totals, result.counts.back());
   history.retire(frame.index, report.retired);  // before a track may begin anew
@@ -111,6 +132,7 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
   result.landmarks = history.latest();
   result.classification = history.classification();
   result.samples = history.samples();
+  result.warnings = self_check(result);
   return result;
 }
 
@@ -139,7 +161,7 @@ EvaluatedRun run_and_evaluate(const Sequence& sequence, const Configuration& con
   done.configuration = prepared.configuration;
   done.run = drive(sequence, *prepared.estimator, options);
   done.metrics =
-      compute_metrics(sequence, done.run, prepared.configuration.model.gate_probability, table);
+      compute_metrics(sequence, done.run, prepared.configuration.model.gate.probability, table);
   return done;
 }
 

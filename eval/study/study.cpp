@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <set>
 
-#include "datasets/text/number.h"
 #include "datasets/text/text_table.h"
 #include "datasets/text/yaml_map.h"
 #include "eval/configuration/registry.h"
+#include "eval/study/study_figures.h"
+#include "eval/study/study_sequence.h"
 
 namespace slammot {
 namespace {
@@ -17,7 +18,8 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 
 struct NamedSettings {
   std::string label;
-  std::string name;  // of the scenario or the estimator
+  std::string name;  // of the scenario or the estimator; folder of a recorded sequence
+  bool recorded = false;
   Settings settings;
 };
 
@@ -25,10 +27,6 @@ struct SweptKey {
   std::string key;
   std::vector<std::string> values;
 };
-
-constexpr std::string_view kFigures[] = {
-    "ranking",  "camera_error", "landmark_error", "classification", "classification_against_sweep",
-    "velocity", "trade_off",    "anees",          "landmark_anees", "anees_by_age"};
 
 // `scenario.KEY` is a parameter of the scenario, any other key one of the configuration.
 constexpr std::string_view kScenarioPrefix = "scenario.";
@@ -45,8 +43,9 @@ class Reader {
       top.refuse(top.take("format"), "unknown format '" + format + "' (known: slammot-study-1)");
     }
     study.name = top.text("name");
-    if (study.name.find('/') != std::string::npos)
-      top.refuse(top.take("name"), "'name' names a folder and has no '/'");
+    if (const std::string fault = folder_name_fault(study.name); !fault.empty()) {
+      top.refuse(top.take("name"), "'name' " + fault);
+    }
     study.title = top.has("title") ? top.text("title") : study.name;
     if (top.has("runs")) study.runs = top.positive_integer("runs");
     if (top.has("seed")) {
@@ -60,6 +59,7 @@ class Reader {
     read_record(top, study);
     read_figures(top, study);
     read_reference(top, study);
+    read_latex(top, study);
     top.finish();
     cross(scenarios, sweep, estimators, all, study);
     return study;
@@ -72,6 +72,9 @@ class Reader {
 
   std::string scalar(const YAML::Node& node, const std::string& what) const {
     if (!node.IsScalar()) refuse(node, fmt::format("'{}' must be one value", what));
+    if (has_control_character(node.Scalar())) {
+      refuse(node, fmt::format("'{}' contains a control character", what));
+    }
     return node.Scalar();
   }
 
@@ -94,8 +97,11 @@ class Reader {
     for (const auto& item : node) {
       YamlMap map(file_, item, "an entry of '" + list + "'");
       NamedSettings row;
-      row.name = map.text(kind);
-      row.label = map.has("label") ? map.text("label") : row.name;
+      row.recorded = kind == "scenario" && map.has("sequence");
+      row.name = row.recorded ? folder_of(map.text("sequence")) : map.text(kind);
+      const std::string name =
+          row.recorded ? std::filesystem::path(row.name).filename().string() : row.name;
+      row.label = map.has("label") ? map.text("label") : name;
       if (map.has("set")) row.settings = settings(map.take("set"), "set");
       map.finish();
       if (row.label.find(',') != std::string::npos) {
@@ -105,6 +111,12 @@ class Reader {
       result.push_back(std::move(row));
     }
     return result;
+  }
+
+  // Relative to the study's file.
+  std::string folder_of(const std::string& sequence) const {
+    const std::filesystem::path folder = (file_.parent_path() / sequence).lexically_normal();
+    return (folder.has_filename() ? folder : folder.parent_path()).string();
   }
 
   std::vector<SweptKey> swept(YamlMap& top) const {
@@ -126,20 +138,19 @@ class Reader {
   void read_record(YamlMap& top, Study& study) const {
     if (!top.has("record")) return;
     YamlMap record = top.map("record");
-    for (const double track : record.list("tracks")) {
-      study.tracks.push_back(static_cast<int>(track));
-    }
+    study.tracks = record.counts("tracks");
     record.finish();
   }
 
   void read_figures(YamlMap& top, Study& study) const {
     if (!top.has("figures")) return;
     for (const auto& figure : top.take("figures")) {
-      if (std::ranges::find(kFigures, scalar(figure, "figures")) == std::end(kFigures)) {
-        refuse(figure, fmt::format("unknown figure '{}' (known: {})", figure.Scalar(),
-                                   fmt::join(kFigures, ", ")));
+      study.figures.push_back(scalar(figure, "figures"));
+      try {
+        require_figure(study.figures.back());
+      } catch (const std::invalid_argument& error) {
+        refuse(figure, error.what());
       }
-      study.figures.push_back(figure.Scalar());
     }
   }
 
@@ -148,18 +159,45 @@ class Reader {
     YamlMap map = top.map("reference");
     ReferenceLabels& reference = study.reference.emplace();
     reference.label = map.text("label");
-    const Eigen::Vector3d statics = map.vector<3>("static"), movings = map.vector<3>("moving");
-    for (int i = 0; i < 3; ++i) {
-      reference.statics[static_cast<std::size_t>(i)] = static_cast<int>(statics(i));
-      reference.movings[static_cast<std::size_t>(i)] = static_cast<int>(movings(i));
+    for (const auto& [key, counts] :
+         {std::pair("static", &reference.statics), std::pair("moving", &reference.movings)}) {
+      const std::vector<int> given = map.counts(key);
+      if (given.size() != counts->size()) map.refuse(map.take(key), "must be three numbers");
+      std::ranges::copy(given, counts->begin());
     }
     map.finish();
   }
 
+  void read_latex(YamlMap& top, Study& study) const {
+    if (!top.has("latex")) return;
+    YamlMap map = top.map("latex");
+    LatexTable& latex = study.latex.emplace();
+    for (const auto& column : map.take("columns")) {
+      latex.columns.push_back(scalar(column, "columns"));
+      try {
+        require_number(latex.columns.back());
+      } catch (const std::invalid_argument& error) {
+        refuse(column, error.what());
+      }
+    }
+    if (latex.columns.empty()) map.refuse(map.take("columns"), "'columns' must be a list of keys");
+    if (map.has("labels")) {
+      for (const auto& [name, label] : settings(map.take("labels"), "labels")) {
+        latex.labels[name] = label;
+      }
+    }
+    if (map.has("caption")) latex.caption = map.text("caption");
+    map.finish();
+  }
+
   // All combinations of the swept values, the last key fastest.
-  static std::vector<Settings> combinations(const std::vector<SweptKey>& sweep) {
+  std::vector<Settings> combinations(const std::vector<SweptKey>& sweep) const {
+    constexpr std::size_t kMost = 100000;
     std::vector<Settings> result{{}};
     for (const SweptKey& key : sweep) {
+      if (result.size() > kMost / key.values.size()) {
+        throw InputError(file_, 0, fmt::format("'sweep' has more than {} combinations", kMost));
+      }
       std::vector<Settings> longer;
       for (const Settings& so_far : result) {
         for (const std::string& value : key.values) {
@@ -192,7 +230,11 @@ class Reader {
     StudyCell cell;
     cell.group = scenario.label;
     cell.label = estimator.label;
-    cell.scenario = scenario.name;
+    if (scenario.recorded) {
+      cell.sequence = scenario.name;
+    } else {
+      cell.scenario = scenario.name;
+    }
     cell.estimator = estimator.name;
     cell.sweep = values;
     find_estimator(cell.estimator);
@@ -213,38 +255,15 @@ class Reader {
   std::filesystem::path file_;
 };
 
-// A scenario's parameters are known only to its simulator, which checks them.
+// A scenario's parameters are known only to its simulator, which checks them; a sequence is read.
 void try_scenarios(const std::filesystem::path& file, const Study& study) {
   std::set<std::string> tried;
   for (const StudyCell& cell : study.cells) {
     if (!tried.insert(cell.group).second) continue;
     try {
-      ScenarioOverrides scene = cell.scene;
-      simulate(cell.scenario, scene, study.first_seed);
+      study_sequence(cell, study.first_seed);
     } catch (const std::invalid_argument& error) {
       throw InputError(file, 0, error.what());
-    }
-  }
-}
-
-// What a figure draws must be there.
-void check_figures(const std::filesystem::path& file, const Study& study) {
-  const auto wants = [&](const char* figure) {
-    return std::ranges::find(study.figures, figure) != study.figures.end();
-  };
-  if (wants("velocity") && study.tracks.empty()) {
-    throw InputError(file, 0, "figure 'velocity' needs `record: {tracks: ..}`");
-  }
-  if (!wants("classification_against_sweep")) return;
-  const auto& sweep = study.cells.front().sweep;
-  if (sweep.size() != 1) {
-    throw InputError(file, 0, "figure 'classification_against_sweep' needs one swept key");
-  }
-  for (const StudyCell& cell : study.cells) {
-    const std::string& value = cell.sweep.front().second;
-    if (!parse_number<double>(value)) {
-      throw InputError(
-          file, 0, fmt::format("figure 'classification_against_sweep': '{}' is no number", value));
     }
   }
 }
@@ -264,10 +283,33 @@ void state_scripts(Study& study) {
 
 }  // namespace
 
-Study read_study(const std::filesystem::path& file) {
+int Study::tasks() const {
+  constexpr std::int64_t kMost = 100'000'000;
+  const std::int64_t all = static_cast<std::int64_t>(cells.size()) * runs;
+  if (all > kMost) throw std::invalid_argument(fmt::format("{}: {} runs are too many", name, all));
+  return static_cast<int>(all);
+}
+
+int Study::runs_of(std::size_t cell) const { return is_single_run(cells[cell]) ? 1 : runs; }
+
+bool Study::has_task(int task) const {
+  const int count = static_cast<int>(cells.size());
+  return task / count < runs_of(static_cast<std::size_t>(task % count));
+}
+
+Study parse_study(const std::filesystem::path& file) {
   Study study = Reader(file).read();
+  try {
+    check_figures(study);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(file, 0, error.what());
+  }
+  return study;
+}
+
+Study read_study(const std::filesystem::path& file) {
+  Study study = parse_study(file);
   state_scripts(study);
-  check_figures(file, study);
   try_scenarios(file, study);
   return study;
 }

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -23,6 +24,7 @@ struct StudyCell {
   std::string group;  // label of the scenario and of the swept values: its cells are paired
   std::string label;  // of the estimator
   std::string scenario;
+  std::filesystem::path sequence;  // recorded, in the place of a scenario
   ScenarioOverrides scene;
   std::string estimator;
   Configuration configuration;
@@ -35,6 +37,13 @@ struct ReferenceLabels {
   std::array<int, 3> statics{}, movings{};
 };
 
+// A table for a paper: numbers of each cell, and what scenarios and estimators are called in it.
+struct LatexTable {
+  std::vector<std::string> columns;
+  std::map<std::string, std::string> labels;
+  std::string caption;
+};
+
 struct Study {
   std::string name;
   std::string title;
@@ -45,12 +54,22 @@ struct Study {
   std::vector<int> tracks;           // landmarks whose velocity is recorded in every frame
   std::vector<std::string> figures;  // what the report draws
   std::optional<ReferenceLabels> reference;
+  std::optional<LatexTable> latex;
   MetricTable metrics = metric_table();  // those pooled over the runs
 
+  // Runs of all cells. Throws std::invalid_argument if they are too many to be counted.
+  int tasks() const;
+  // Of a recorded sequence to which no noise is added every seed is the same run: one is enough.
+  int runs_of(std::size_t cell) const;
+  bool has_task(int task) const;
   std::uint64_t seed(int run) const { return first_seed + static_cast<std::uint64_t>(run); }
 };
 
-// Throws InputError: everything is checked here, before the first run.
+// The file alone. Throws InputError.
+Study parse_study(const std::filesystem::path& file);
+
+// Throws InputError: everything is checked here, the scenarios by simulating each, before the first
+// run.
 Study read_study(const std::filesystem::path& file);
 
 }  // namespace slammot

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "eval/configuration/registry.h"
+#include "eval/pooling/estimate_json.h"
 #include "eval/statistics/statistics.h"
-#include "eval/study/study_json.h"
 
 namespace slammot {
 
@@ -43,10 +43,8 @@ void CellSummary::add(const Json& run) {
   frames_.add(run.at("frames"));
   if (run.contains("smoothed_frames")) smoothed_.add(run["smoothed_frames"]);
   stated_sigma_[seed] = root_mean_square(numbers(run["frames"].at("position_sigma_m")));
-  const std::vector<double> nees = numbers(run["frames"].at("nees_pose"));
-  pose_nees_[seed] = mean(nees);
-  const RunNees of_run = run_nees(nees, kPoseDof);
-  run_nees_[seed] = {of_run, of_run.began ? run["frames"].at("frame")[*of_run.began] : Json()};
+  if (run["frames"].contains("nees_pose")) add_nees(seed, run["frames"]);
+  if (run.contains("axes")) axes_ = run["axes"];
   ages_.add(run.at("landmarks"));
   tracks_.add(run.at("tracks"));
   for (const char* what : kCounts) {
@@ -57,10 +55,18 @@ void CellSummary::add(const Json& run) {
   if (!diverged.is_null()) return;
   // A batch is judged by what it is for: its filtered trajectory is its front window's.
   const char* judged = run.contains("smoothed_frames") ? "smoothed" : "filtered";
-  position_rmse_[seed] = number(run.at(judged).at(kPositionRmse));
+  aligned_ = run.value("aligned", false);
+  position_rmse_[seed] = number(run.at(judged).at(aligned_ ? kAteSim3 : kPositionRmse));
   for (const std::string which : {"filtered", "smoothed"}) {
     add_values(Scope::kTrajectory, run.at(which), which + "_");
   }
+}
+
+void CellSummary::add_nees(std::uint64_t seed, const Json& frames) {
+  const std::vector<double> nees = numbers(frames.at("nees_pose"));
+  pose_nees_[seed] = mean(nees);
+  const RunNees of_run = run_nees(nees, kPoseDof);
+  run_nees_[seed] = {of_run, of_run.began ? frames.at("frame")[*of_run.began] : Json()};
 }
 
 // One that is not defined (no landmark was ever decided) is no sample.
@@ -113,6 +119,7 @@ Json CellSummary::json() const {
                {"kind", to_string(estimator.kind)},
                {"oracle", is_oracle(estimator, cell_.configuration)},
                {"runs", runs_},
+               {"aligned", aligned_},
                {"diverged", diverged_},
                {"lost", failed_}};
   json["configuration"] = Json::object();
@@ -121,11 +128,10 @@ Json CellSummary::json() const {
   }
   if (frames_.empty()) return json;  // no run began
   for (const auto& [key, scalar] : scalars_) {
-    const bool squares = scalar.pooled == Pooled::kRootMeanSquare;
-    json[key] = json_of(bootstrap(scalar.samples, squares ? root_mean_square : mean));
+    json[key] = json_of(pool(scalar.samples, scalar.pooled));
   }
   json["anees"] = frames_.anees();
-  json["nees_by_run"] = nees_by_run();
+  if (!run_nees_.empty()) json["nees_by_run"] = nees_by_run();
   if (!smoothed_.empty()) json["smoothed_anees"] = smoothed_.anees();
   for (const auto& [what, counts] : counts_) json[what] = counts;
   json["coverage"] = coverage_;
@@ -134,6 +140,7 @@ Json CellSummary::json() const {
   json["timing"]["stages_ms"] = stages_;
   json["per_frame"] = frames_.per_frame();
   if (!smoothed_.empty()) json["smoothed_per_frame"] = smoothed_.per_frame();
+  if (!axes_.is_null()) json["axes"] = axes_;
   json["by_age"] = ages_.json();
   json["tracks"] = tracks_.json();
   return json;

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
+#include "eval/pooling/frame_statistics.h"
 #include "eval/statistics/run_nees.h"
 #include "eval/study/study.h"
-#include "eval/study/study_frames.h"
 #include "eval/study/study_landmarks.h"
 
 namespace slammot {
@@ -19,7 +19,8 @@ class CellSummary {
   void add_timing(const nlohmann::ordered_json& timing);  // a line of timing.jsonl
   nlohmann::ordered_json json() const;
 
-  // By seed: position RMSE over the run, smoothed of a batch, infinite of one that diverged; what
+  // By seed: position RMSE over the run (ATE Sim(3) where the truth is measured), smoothed of a
+  // batch, infinite of one that diverged; what
   // it states of it; and the mean NEES of its poses.
   const std::map<std::uint64_t, double>& position_rmse() const { return position_rmse_; }
   const std::map<std::uint64_t, double>& stated_sigma() const { return stated_sigma_; }
@@ -30,18 +31,21 @@ class CellSummary {
     Pooled pooled;
     std::vector<double> samples;
   };
+  void add_nees(std::uint64_t seed, const nlohmann::ordered_json& frames);
   nlohmann::ordered_json nees_by_run() const;
   void add_values(Scope scope, const nlohmann::ordered_json& values, const std::string& prefix);
 
   const StudyCell& cell_;
   const MetricTable& metrics_;
   int runs_ = 0;
+  bool aligned_ = false;  // the truth is measured: compared by the error after alignment
   nlohmann::ordered_json diverged_ = nlohmann::ordered_json::array();
   nlohmann::ordered_json failed_ = nlohmann::ordered_json::array();
   std::map<std::uint64_t, double> position_rmse_, stated_sigma_, pose_nees_;
   std::map<std::uint64_t, std::pair<RunNees, nlohmann::ordered_json>> run_nees_;  // and its frame
   std::map<std::string, Scalar> scalars_;
   FrameStatistics frames_, smoothed_;
+  nlohmann::ordered_json axes_;  // of the first seed
   LandmarkAges ages_;
   RecordedTracks tracks_;
   std::map<std::string, std::array<long, 3>> counts_;  // right, wrong, undecided

@@ -1,7 +1,7 @@
 #include "eval/study/study_landmarks.h"
 
+#include "eval/pooling/estimate_json.h"
 #include "eval/statistics/statistics.h"
-#include "eval/study/study_json.h"
 
 namespace slammot {
 

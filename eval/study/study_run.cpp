@@ -6,15 +6,15 @@
 #include <set>
 
 #include "eval/output/metrics_json.h"
+#include "eval/pooling/frame_statistics.h"
 #include "eval/run/run.h"
 #include "eval/statistics/bootstrap.h"
 #include "eval/statistics/statistics.h"
+#include "eval/study/study_figures.h"
+#include "eval/study/study_sequence.h"
 
 namespace slammot {
 namespace {
-
-// Failed: further from the truth than this part of the path so far, and than a metre.
-constexpr double kFailedFraction = 0.1;
 
 Json counts(const ClassCounts& c) { return {c.right, c.wrong, c.undecided}; }
 
@@ -48,43 +48,6 @@ bool depends_on_the_seed(const Metric& m) {
 }
 
 bool depends_on_the_clock(const Metric& m) { return m.pooled == Pooled::kMedianTiming; }
-
-// First frame at which the estimate has failed; null if none.
-Json failed_at(const std::vector<PosePair>& pairs) {
-  double path = 0.0;
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    path += (pairs[i].truth.position - pairs[i - 1].truth.position).norm();
-    if (position_error(pairs[i]) > std::max(1.0, kFailedFraction * path)) return pairs[i].frame;
-  }
-  return nullptr;
-}
-
-// Per frame: errors, NEES (after the first frame, whose covariance is a pin) and the standard
-// deviations that the estimator states, the roots of the traces.
-Json frames_json(const std::vector<PosePair>& pairs) {
-  Json json;
-  std::vector<int> frame;
-  std::vector<double> position, rotation, nees_pose, nees_position, nees_rotation, position_sigma;
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    const PosePair& p = pairs[i];
-    const PoseNees nees = pose_nees(p);
-    frame.push_back(p.frame);
-    position.push_back(position_error(p));
-    rotation.push_back(rotation_error_deg(p));
-    nees_pose.push_back(nees.pose);
-    nees_position.push_back(nees.position);
-    nees_rotation.push_back(nees.rotation);
-    position_sigma.push_back(std::sqrt(p.estimate.covariance.topLeftCorner<3, 3>().trace()));
-  }
-  json["frame"] = frame;
-  json["position_error_m"] = position;
-  json["rotation_error_deg"] = rotation;
-  json["nees_pose"] = nees_pose;
-  json["nees_position"] = nees_position;
-  json["nees_rotation"] = nees_rotation;
-  json["position_sigma_m"] = position_sigma;
-  return json;
-}
 
 // A window does not keep those of the cameras that left it.
 bool has_covariances(const std::vector<PosePair>& pairs) {
@@ -192,12 +155,33 @@ Json tracks_json(const Study& study, const Sequence& sequence, const RunResult& 
   return json;
 }
 
-Json result_json(const Study& study, const Sequence& sequence, const RunResult& run,
-                 const RunMetrics& metrics) {
+// A measured truth is as it is on a comparison's page: errors after alignment, no NEES.
+Json judged_frames(const Sequence& sequence, const std::vector<PosePair>& pairs) {
+  if (sequence.exact_truth) return frames_json(pairs);
+  Json json = frames_json(aligned(pairs));
+  for (const char* nees : {"nees_pose", "nees_position", "nees_rotation"}) json.erase(nees);
+  return json;
+}
+
+// The pose error and its standard deviation, axis by axis, [dr (W), dtheta (C)].
+Json axes_json(const std::vector<PosePair>& pairs) {
+  Json json = {{"frame", Json::array()}, {"error", Json::array()}, {"sigma", Json::array()}};
+  for (const PosePair& pair : pairs) {
+    const Vector12d error = boxminus(pair.truth, pair.estimate.state);
+    const Vector12d sigma = pair.estimate.covariance.diagonal().cwiseSqrt();
+    json["frame"].push_back(pair.frame);
+    json["error"].push_back(std::vector<double>(error.begin(), error.begin() + 6));
+    json["sigma"].push_back(std::vector<double>(sigma.begin(), sigma.begin() + 6));
+  }
+  return json;
+}
+
+Json result_json(const Study& study, std::uint64_t seed, const Sequence& sequence,
+                 const RunResult& run, const RunMetrics& metrics) {
   const std::vector<PosePair> pairs = pair_with_truth(sequence, run.filtered);
   Json json;
   json["diverged"] = json_of(run.diverged);
-  json["lost_at"] = failed_at(pairs);
+  json["lost_at"] = metrics.failed ? Json(*metrics.failed) : Json();
   json["filtered"] = values_json(metrics.filtered.values, depends_on_the_seed);
   json["smoothed"] =
       metrics.smoothed ? values_json(metrics.smoothed->values, depends_on_the_seed) : Json();
@@ -210,13 +194,16 @@ Json result_json(const Study& study, const Sequence& sequence, const RunResult& 
   const std::vector<LandmarkSample> samples = estimated_samples(sequence, run);
   json["standing_by_frame"] = counts_by_frame(samples, Label::kStatic);
   json["moving_by_frame"] = counts_by_frame(samples, Label::kMoving);
-  json["frames"] = frames_json(pairs);
+  json["aligned"] = !sequence.exact_truth;
+  json["frames"] = judged_frames(sequence, pairs);
   add_landmark_nees(samples, "position", &LandmarkSample::position_nees, json["frames"]);
   add_landmark_nees(samples, "velocity", &LandmarkSample::velocity_nees, json["frames"]);
   const std::vector<PosePair> smoothed = pair_with_truth(sequence, run.smoothed);
-  if (has_covariances(smoothed)) json["smoothed_frames"] = frames_json(smoothed);
+  if (has_covariances(smoothed)) json["smoothed_frames"] = judged_frames(sequence, smoothed);
   json["landmarks"] = landmarks_json(samples);
   json["tracks"] = tracks_json(study, sequence, run);
+  const bool first = seed == study.first_seed;
+  if (first && sequence.exact_truth && records_axes(study)) json["axes"] = axes_json(pairs);
   return json;
 }
 
@@ -238,13 +225,13 @@ StudyRun run_study_cell(const Study& study, int cell, int run) {
   made.timing = {{"cell", cell}, {"seed", study.seed(run)}};
   try {
     const Sequence sequence =
-        select_frames(simulate(c.scenario, c.scene, study.seed(run)), c.configuration.frames.first,
+        select_frames(study_sequence(c, study.seed(run)), c.configuration.frames.first,
                       c.configuration.frames.last, c.configuration.frames.step);
     DriveOptions options;
     options.landmarks_every_frame = !study.tracks.empty();
     const EvaluatedRun done =
         run_and_evaluate(sequence, c.configuration, c.estimator, options, study.metrics);
-    made.result.update(result_json(study, sequence, done.run, done.metrics));
+    made.result.update(result_json(study, study.seed(run), sequence, done.run, done.metrics));
     made.timing.update(timing_json(done.metrics));
   } catch (const std::bad_alloc&) {
     throw;  // of this machine, not of the estimator

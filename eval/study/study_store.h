@@ -1,9 +1,9 @@
-// The runs of a study on disk: a journal to which each finished run is appended at once, and the
-// sorted files made of it.
+// The runs of a study on disk: journals to which each finished run is appended at once
+// (eval/journal/journal.h), and the sorted files made of them.
 //
-//   journal-I-of-N.jsonl  a line {"result": .., "timing": ..} per finished run, in order of
-//   finishing results.jsonl         the results by cell and seed: the same bytes however they were
-//   computed timing.jsonl          what depends on the machine and the clock, in the same order
+//   journal-I-of-N.jsonl  the finished runs of shard I
+//   results.jsonl         the results by cell and seed: the same bytes however they were computed
+//   timing.jsonl          what depends on the machine and the clock, in the same order
 //   study.yaml            the study's file as it was
 //
 // Journals stay: with them a study can be resumed, or be given more runs.
@@ -11,10 +11,9 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <mutex>
 #include <set>
-#include <utility>
 
+#include "eval/journal/journal.h"
 #include "eval/study/study_run.h"
 
 namespace slammot {
@@ -34,36 +33,21 @@ struct Shard {
   static std::uint64_t scattered(int task);
 };
 
-using RunKey = std::pair<int, std::uint64_t>;  // cell, seed
+// Runs of another identity are not of this study.
+JournalIdentity identity_of(const Study& study);
 
-// The runs in the journals of this folder. A line that was being written when the program was
-// killed is no run. Throws InputError for a line that is none.
-std::set<RunKey> finished_runs(const std::filesystem::path& folder);
-
-// Appends, one whole line at a time, from any thread.
-class Journal {
- public:
-  // Cuts off a line that was left half written. Throws std::runtime_error if it cannot be written.
-  Journal(const std::filesystem::path& folder, const Shard& shard);
-  ~Journal();
-  Journal(const Journal&) = delete;
-  Journal& operator=(const Journal&) = delete;
-
-  void append(const StudyRun& run);
-
- private:
-  std::filesystem::path file_;
-  int descriptor_ = -1;
-  std::mutex mutex_;
-};
+// The runs in the journals of this folder. Throws InputError for a line that is none of this study,
+// or, unless `mix_programs`, of another build of the program.
+std::set<RunKey> finished_runs(const Study& study, const std::filesystem::path& folder,
+                               bool mix_programs);
 
 // Writes results.jsonl and timing.jsonl into `output` from the journals of all `folders`. Throws
 // std::invalid_argument when runs are missing, naming one.
 void merge_runs(const Study& study, const std::vector<std::filesystem::path>& folders,
-                const std::filesystem::path& output);
+                const std::filesystem::path& output, bool mix_programs);
 
-// Marks the folder as this study's. Throws std::invalid_argument when it is another's, or when it
-// has runs of this shard and `resume` is false.
+// Marks the folder as this study's. Throws std::invalid_argument when it is another's, when it has
+// other files, or when it has runs of this shard and `resume` is false.
 void claim_folder(const Study& study, const std::filesystem::path& folder, const Shard& shard,
                   bool resume);
 

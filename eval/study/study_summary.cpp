@@ -5,9 +5,10 @@
 
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_json.h"
+#include "eval/pooling/estimate_json.h"
 #include "eval/statistics/statistics.h"
 #include "eval/study/study_cell.h"
-#include "eval/study/study_json.h"
+#include "eval/study/study_sequence.h"
 
 namespace slammot {
 namespace {
@@ -15,24 +16,36 @@ namespace {
 // The lines of a file that belong to one cell after another: both files are sorted by cell.
 class CellLines {
  public:
-  explicit CellLines(const std::filesystem::path& file) : in_(file, std::ios::binary) {
+  explicit CellLines(const std::filesystem::path& file) : file_(file), in_(file, std::ios::binary) {
     if (!in_) throw InputError(file, 0, "cannot be read: is the study complete?");
-    advance();
+    try {
+      advance();
+    } catch (const Json::exception&) {
+      refuse();
+    }
   }
 
-  void visit(std::size_t cell, const std::function<void(const Json&)>& visitor) {
+  void visit(std::size_t cell, const std::function<void(const Json&)>& visitor) try {
     for (; !next_.is_null() && next_.at("cell").get<std::size_t>() == cell; advance()) {
       visitor(next_);
     }
+  } catch (const Json::exception&) {
+    refuse();
   }
 
  private:
   void advance() {
     std::string line;
+    ++line_;
     next_ = std::getline(in_, line) ? Json::parse(line) : Json();
   }
+  [[noreturn]] void refuse() const {
+    throw InputError(file_, line_, "is not the line of a finished run");
+  }
 
+  std::filesystem::path file_;
   std::ifstream in_;
+  int line_ = 0;
   Json next_;
 };
 
@@ -83,13 +96,14 @@ Json over_ideal(const Finished& cell, const Finished& ideal) {
   for (const auto& [seed, rmse] : cell.position_rmse) {
     const auto sigma = ideal.stated_sigma.find(seed);
     if (sigma == ideal.stated_sigma.end() || !std::isfinite(rmse)) continue;
+    const auto nees = cell.pose_nees.find(seed);
     ratios.push_back(rmse / sigma->second);
     errors.push_back(rmse);
     sigmas.push_back(sigma->second);
     runs.push_back({{"seed", seed},
                     {"position_rmse_m", rmse},
                     {"ideal_sigma_m", sigma->second},
-                    {"nees_pose", cell.pose_nees.at(seed)}});
+                    {"nees_pose", nees == cell.pose_nees.end() ? kUndefined : nees->second}});
   }
   return {{"runs", runs},
           {"position", root_mean_square(errors) / root_mean_square(sigmas)},
@@ -111,7 +125,14 @@ void add_ideal(std::vector<Finished>& cells) {
 }
 
 Json group_json(const StudyCell& first, std::vector<Finished> cells) {
-  Json group = {{"name", first.group}, {"scenario", first.scenario}, {"scene", first.scene}};
+  const bool single = is_single_run(first);
+  Json group = {{"name", first.group},
+                {"scenario", first.scenario},
+                {"sequence", first.sequence.empty() ? Json() : Json(first.sequence.string())},
+                {"seeds", first.sequence.empty() ? "simulations"
+                          : single               ? "one run"
+                                                 : "noise"},
+                {"scene", first.scene}};
   group["sweep"] = Json::object();
   for (const auto& [key, value] : first.sweep) group["sweep"][key] = value;
   add_ideal(cells);
@@ -127,6 +148,11 @@ Json group_json(const StudyCell& first, std::vector<Finished> cells) {
   return group;
 }
 
+Json latex_json(const std::optional<LatexTable>& latex) {
+  if (!latex) return nullptr;
+  return {{"columns", latex->columns}, {"labels", latex->labels}, {"caption", latex->caption}};
+}
+
 Json heading(const Study& study, const Provenance& made_by) {
   Json json = {{"format", "slammot-summary-2"},
                {"version", SLAMMOT_VERSION},
@@ -136,6 +162,7 @@ Json heading(const Study& study, const Provenance& made_by) {
                {"runs", study.runs},
                {"first_seed", study.first_seed},
                {"figures", study.figures},
+               {"latex", latex_json(study.latex)},
                {"metrics", metric_table_json(study.metrics)},
                {"groups", Json::array()}};
   if (study.reference) {

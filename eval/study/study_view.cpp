@@ -5,8 +5,10 @@
 #include <map>
 
 #include "eval/configuration/registry.h"
+#include "eval/metrics/accuracy.h"
 #include "eval/run/run.h"
 #include "eval/statistics/chi_square.h"
+#include "eval/study/study_sequence.h"
 
 namespace slammot {
 namespace {
@@ -20,30 +22,33 @@ Json point(const Eigen::Vector3d& p) {
 }
 
 // Nothing for a landmark at infinity, or so uncertain that its ellipsoid would hide the scene.
-Json landmark_json(const LandmarkEstimate& l) {
+Json landmark_json(const LandmarkEstimate& l, const Similarity& s) {
   constexpr double kWidest = 10.0;  // [m]
   if (!l.position.allFinite() || !l.position_covariance.allFinite()) return nullptr;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(l.position_covariance);
   const Eigen::Vector3d half =
       (chi_square_quantile(0.95, 3) * eigen.eigenvalues().cwiseMax(0.0)).cwiseSqrt();
   if (half.maxCoeff() > kWidest) return nullptr;
-  Json json = {static_cast<int>(l.label), to_millimetres(l.position.x()),
-               to_millimetres(l.position.y()), to_millimetres(l.position.z())};
+  Json json = {static_cast<int>(l.label)};
+  for (const Json& x : point(s * l.position)) json.push_back(x);
   for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d axis = half(i) * eigen.eigenvectors().col(i);
+    const Eigen::Vector3d axis = s.scale * s.rotation * (half(i) * eigen.eigenvectors().col(i));
     for (int k = 0; k < 3; ++k) json.push_back(to_millimetres(axis(k)));
   }
   return json;
 }
 
 Json run_json(const Study& study, const StudyCell& cell) {
-  const Sequence sequence = simulate(cell.scenario, cell.scene, study.first_seed);
+  const Sequence sequence = study_sequence(cell, study.first_seed);
   DriveOptions options;
   options.landmarks_every_frame = true;
   const RunResult run = run_estimator(sequence, cell.configuration, cell.estimator, options);
+  // As elsewhere on the page: beside a measured truth stands the aligned estimate.
+  const Similarity alignment =
+      sequence.exact_truth ? Similarity{} : similarity(pair_with_truth(sequence, run.filtered));
   std::map<int, Json> landmarks;
   for (const LandmarkRecord& record : run.every_frame) {
-    Json l = landmark_json(record.estimate);
+    Json l = landmark_json(record.estimate, alignment);
     if (!l.is_null()) landmarks[record.frame].push_back(std::move(l));
   }
   Json json = {{"label", cell.label},
@@ -55,7 +60,7 @@ Json run_json(const Study& study, const StudyCell& cell) {
   const int stride = std::max(1, (count + kViewSteps - 1) / kViewSteps);
   for (int i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const Eigen::Vector3d estimate = run.filtered[k].state.position;
+    const Eigen::Vector3d estimate = alignment * run.filtered[k].state.position;
     json["path"].push_back(point(estimate));
     const Json truth = k < sequence.truth.size() && sequence.truth[k]
                            ? point(sequence.truth[k]->position)

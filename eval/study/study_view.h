@@ -1,5 +1,5 @@
 // One run of each estimator of a study's first group to look at, for the report's 3D view:
-// view.json.
+// view.json. Beside a measured truth the estimate stands after similarity alignment.
 //
 //   runs[]  {label, seed, path[[x,y,z]], truth_path[[x,y,z]], steps[]}
 //   steps[] {frame, timestamp, camera[x,y,z], truth[x,y,z], landmarks[]}, at most kViewSteps

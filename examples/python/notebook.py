@@ -13,12 +13,12 @@ import slammot
 
 output = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "slammot-out/notebook")
 mine = f"python:{pathlib.Path(__file__).with_name('estimators.py')}:KnownPoints"
-sequence = slammot.simulate("helix", seed=1, output=output / "sequence", frames=80)
+sequence = slammot.simulate("helix", seed=1, output=output / "sequence", force=True, frames=80)
 print(f"{sequence.name}: {len(sequence.frames)} frames, {len(sequence.known)} known landmarks")
 
 # %% Both estimators on it, and the error of each position against the truth
 for estimator, name in (("ekf", "ekf"), (mine, "mine")):
-    run = slammot.run(output / "sequence", estimator, output / name)
+    run = slammot.run(output / "sequence", estimator, output / name, force=True)
     error = (run.trajectory - sequence.truth)[["x", "y", "z"]].to_numpy()
     inverses = np.linalg.inv(run.covariance[1:, :3, :3])  # not of the first frame, which is given
     nees = np.einsum("ni,nij,nj->n", error[1:], inverses, error[1:])
@@ -35,7 +35,7 @@ estimators:
   - {{estimator: "{mine}", label: mine}}
 sweep: {{scenario.noise: [0.5, 2]}}
 """, encoding="utf-8")
-slammot.slammot("study", output / "study.yaml", "--output", output / "study")
+slammot.slammot("study", output / "study.yaml", "--output", output / "study", "--resume")
 runs = slammot.read_study(output / "study")
 
 # %% The table of runs is tidy: a row per run, numbers as numbers

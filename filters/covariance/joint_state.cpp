@@ -7,6 +7,11 @@ namespace slammot {
 void JointState::move(Eigen::Ref<const Eigen::VectorXd> dx) {
   camera = boxplus(camera, Vector12d(dx.head<kCameraDim>()));
   if (scene) scene->inverse_depth += dx(scene->block.offset);
+  for (FilterClone& clone : clones) {
+    clone.position += dx.segment<3>(clone.block.offset);
+    const Eigen::Vector3d turn = dx.segment<3>(clone.block.offset + kRotation);
+    clone.orientation = clone.orientation * exp_so3(turn);
+  }
   for (auto& [frame, anchor] : anchors) {
     if (!anchor.block.passive) anchor.position += dx.segment<3>(anchor.block.offset);
   }
@@ -22,6 +27,19 @@ void JointState::move(Eigen::Ref<const Eigen::VectorXd> dx) {
 void JointState::correct(Eigen::Ref<const Eigen::VectorXd> dx) {
   move(dx);
   covariance.transform({{kRotation, 3}}, right_jacobian_so3(dx.segment<3>(kRotation)));
+  for (const FilterClone& clone : clones) {
+    const StateBlock rotation{clone.block.offset + kRotation, 3};
+    covariance.transform({rotation}, right_jacobian_so3(dx.segment<3>(rotation.offset)));
+  }
+}
+
+void JointState::clone_pose(FilterClone& clone) {
+  clone.position = camera.position;
+  clone.orientation = camera.orientation;
+  Eigen::Matrix<double, 12, 12> copy = Eigen::Matrix<double, 12, 12>::Zero();
+  copy.topRightCorner<6, 6>().setIdentity();
+  copy.bottomRightCorner<6, 6>().setIdentity();
+  covariance.transform({clone.block, kPose}, copy);
 }
 
 void JointState::follow(StateBlock from, StateBlock to) {

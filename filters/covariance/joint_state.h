@@ -2,8 +2,9 @@
 //
 // Landmarks initialised in one frame share one anchor: its rows are identical for all of them for
 // ever, so they are stored once. Layout of the error state: camera 12, the scene's depth (1) when
-// it is to be learnt, the adjoint of the passive map where there is one (passive_map.h), then in
-// any order an anchor (3), the y of a landmark (3), the w of a free one.
+// it is to be learnt, poses of past frames (6 each) where a lag is asked for, the adjoint of the
+// passive map where there is one (passive_map.h), then in any order an anchor (3), the y of a
+// landmark (3), the w of a free one.
 #pragma once
 
 #include <map>
@@ -43,6 +44,13 @@ struct FilterScene {
   StateBlock block;  // 1
 };
 
+// The pose of a past frame: measurements go on correcting it through its covariance with the rest.
+struct FilterClone {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+  StateBlock block;  // 6: dr (W), dtheta (C, right)
+};
+
 struct JointState {
   CameraState camera;
   std::optional<FilterScene> scene;
@@ -50,6 +58,7 @@ struct JointState {
   std::map<int, FilterLandmark> landmarks;  // by track
   JointCovariance covariance;               // of all but the passive map
   PassiveMap passive;
+  std::vector<FilterClone> clones;  // a ring; their rows stand behind those of the scene
 
   static constexpr StateBlock kCamera{0, kCameraDim};
   static constexpr StateBlock kPose{0, 6};
@@ -75,6 +84,9 @@ struct JointState {
 
   // The estimates of the passive map follow what was corrected since this was last done.
   void correct_passive();
+
+  // This clone becomes a copy of the camera's pose.
+  void clone_pose(FilterClone& clone);
 
   // Removes landmarks, and anchors that nobody uses any more.
   void remove_landmarks(std::span<const int> tracks);

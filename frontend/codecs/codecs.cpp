@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 
+#include "datasets/output/output_files.h"
+
 namespace slammot {
 namespace {
 
@@ -29,9 +31,9 @@ const Codecs& codecs() {
 }
 
 void write_image(const std::filesystem::path& file, const cv::Mat& image, int jpeg_quality) {
-  if (!codecs().write(file, image, jpeg_quality)) {
-    throw std::runtime_error(file.string() + ": cannot be written");
-  }
+  const std::string bytes = codecs().encode(file.extension().string(), image, jpeg_quality);
+  if (bytes.empty()) throw std::runtime_error(file.string() + ": cannot be encoded");
+  write_file(file, bytes);
 }
 
 }  // namespace slammot

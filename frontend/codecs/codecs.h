@@ -10,11 +10,12 @@
 
 namespace slammot {
 
-// A film being written; its file is complete when this is gone.
 class Video {
  public:
   virtual ~Video() = default;
   virtual void add(const cv::Mat& picture) = 0;
+  // Completes the file; false if it does not hold what was added.
+  virtual bool finish() = 0;
 };
 
 // What the module does. Its failures are empty images and null pointers, or a cv::Exception.
@@ -25,9 +26,9 @@ class Codecs {
   // With the depth and the channels that are stored.
   virtual cv::Mat decode(const std::string& bytes) const = 0;
 
-  // The suffix says what is written. `jpeg_quality` is at most 100.
-  virtual bool write(const std::filesystem::path& file, const cv::Mat& image,
-                     int jpeg_quality) const = 0;
+  // The bytes of a file; the suffix (`.png`) says of which kind. `jpeg_quality` is at most 100.
+  virtual std::string encode(const std::string& suffix, const cv::Mat& image,
+                             int jpeg_quality) const = 0;
 
   // MPEG-4, `rate` in Hz.
   virtual std::unique_ptr<Video> open_video(const std::filesystem::path& file, double rate,

@@ -10,19 +10,39 @@
 namespace slammot {
 namespace {
 
-const cv::Scalar missing(200, 200, 0), grey(150, 150, 150), black(0, 0, 0), pale(225, 225, 225);
+const cv::Scalar missing(233, 180, 86), grey(150, 150, 150), black(0, 0, 0), pale(225, 225, 225);
 constexpr int kShift = 4;  // bits of a fraction of a pixel, as OpenCV draws
 constexpr double kTwoSigma = 2.0;
 const double region_95 = std::sqrt(5.991464547107979);  // chi-square, two dimensions
 
+// Okabe and Ito's, safe for all kinds of colour vision.
 cv::Scalar colour_of(Label label) {
-  const cv::Scalar colours[] = {{0, 170, 0}, {255, 60, 0}, {0, 0, 230}};  // BGR, in Label's order
+  const cv::Scalar colours[] = {{167, 121, 204}, {178, 114, 0}, {0, 94, 213}};  // BGR, as Label
   return colours[static_cast<int>(label)];
 }
 
 cv::Point fixed(const Eigen::Vector2d& p) {
   return {static_cast<int>(std::lround(p.x() * (1 << kShift))),
           static_cast<int>(std::lround(p.y() * (1 << kShift)))};
+}
+
+// Unknown is an open square, static a disc, moving a diamond: told apart without their colours.
+void draw_marker(cv::Mat& picture, const Eigen::Vector2d& at, Label label,
+                 const cv::Scalar& colour) {
+  constexpr double kHalf = 3.5;  // [px]
+  if (label == Label::kStatic) {
+    const int radius = static_cast<int>(kHalf * (1 << kShift));
+    cv::circle(picture, fixed(at), radius, colour, cv::FILLED, cv::LINE_AA, kShift);
+    return;
+  }
+  std::vector<cv::Point> corners;
+  for (const int quarter : {0, 1, 2, 3}) {
+    const double turn = CV_PI / 2.0 * quarter + (label == Label::kMoving ? 0.0 : CV_PI / 4.0);
+    const double reach = label == Label::kMoving ? 1.4 * kHalf : std::sqrt(2.0) * kHalf;
+    corners.push_back(fixed(at + reach * Eigen::Vector2d(std::cos(turn), std::sin(turn))));
+  }
+  if (label == Label::kMoving) cv::fillConvexPoly(picture, corners, colour, cv::LINE_AA, kShift);
+  cv::polylines(picture, corners, true, colour, 1, cv::LINE_AA, kShift);
 }
 
 // x' C^-1 x = scale^2 around `centre`; nothing where it is no ellipse or too large for the picture.
@@ -67,7 +87,7 @@ cv::Mat draw_predictions(const cv::Mat& image, int enlarge, const PictureState& 
     const Eigen::Vector2d centre =
         enlarge * (projection->pixel + Eigen::Vector2d(0.5, 0.5)) - Eigen::Vector2d(0.5, 0.5);
     draw_ellipse(picture, centre, enlarge * enlarge * S, kTwoSigma, colour);
-    cv::circle(picture, fixed(centre), 2 << kShift, colour, cv::FILLED, cv::LINE_AA, kShift);
+    draw_marker(picture, centre, landmark.label, colour);
   }
   return picture;
 }
@@ -82,14 +102,17 @@ MapPlane map_plane(const CameraState& first, const std::vector<Eigen::Vector3d>&
     return plane.axes * (p - plane.origin);
   };
   for (const Eigen::Vector3d& p : path) plane.shown.extend(on_plane(p));
-  for (const int axis : {0, 1}) {
-    std::vector<double> values;
-    for (const Eigen::Vector3d& p : points) values.push_back(on_plane(p)(axis));
-    if (values.empty()) continue;
-    std::sort(values.begin(), values.end());
-    const size_t tenth = values.size() / 10;
-    plane.shown.min()(axis) = std::min(plane.shown.min()(axis), values[tenth]);
-    plane.shown.max()(axis) = std::max(plane.shown.max()(axis), values[values.size() - 1 - tenth]);
+  const Eigen::Vector2d middle = plane.shown.center();
+  const double size = plane.shown.sizes().maxCoeff();
+  std::vector<Eigen::Vector2d> on_map;
+  for (const Eigen::Vector3d& p : points) on_map.push_back(on_plane(p));
+  std::sort(on_map.begin(), on_map.end(), [&](const auto& a, const auto& b) {
+    return (a - middle).squaredNorm() < (b - middle).squaredNorm();
+  });
+  // A quarter of the points is always shown: a camera may hardly have moved.
+  for (size_t i = 0; i < on_map.size(); ++i) {
+    const bool near = (on_map[i] - middle).lpNorm<Eigen::Infinity>() < size;
+    if (near || 4 * i < on_map.size()) plane.shown.extend(on_map[i]);
   }
   const double margin = 0.05 * plane.shown.sizes().maxCoeff() + 0.1;
   plane.shown.extend(plane.shown.min() - Eigen::Vector2d::Constant(margin));
@@ -147,7 +170,7 @@ void draw_landmark(cv::Mat& map, const MapView& view, const LandmarkEstimate& la
   const Eigen::Vector2d at = view.at(landmark.position);
   if (!(at.cwiseAbs().maxCoeff() < 1e4)) return;
   draw_ellipse(map, at, view.covariance(landmark.position_covariance), region_95, colour);
-  cv::circle(map, fixed(at), 2 << kShift, colour, cv::FILLED, cv::LINE_AA, kShift);
+  draw_marker(map, at, landmark.label, colour);
   if (landmark.label != Label::kMoving || !landmark.velocity.allFinite()) return;
   const Eigen::Vector2d in_a_second = view.at(landmark.position + landmark.velocity);
   if (!(in_a_second.cwiseAbs().maxCoeff() < 1e4)) return;

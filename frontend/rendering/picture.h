@@ -1,10 +1,11 @@
 // What an estimator believes after a frame, drawn (thesis figure 4.5): the image with the 2-sigma
 // ellipse of each landmark where it is predicted, and the map from above with 95% regions.
 //
-// Blue: static, green: unknown, red: moving, cyan: predicted in the image but not found in it. An
-// ellipse is the landmark's own position covariance seen from the camera's estimate, plus the pixel
-// noise. What camera and landmark have in common is not known to a run folder: it is too large
-// where both are uncertain together, and too small where the camera is the less certain.
+// Blue disc: static, purple square: unknown, red diamond: moving, light blue: predicted in the
+// image but not found in it. An ellipse is the landmark's own position covariance seen from the
+// camera's estimate, plus the pixel noise. What camera and landmark have in common is not known to
+// a run folder: it is too large where both are uncertain together, and too small where the camera
+// is the less certain.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -32,7 +33,8 @@ struct MapPlane {
   Eigen::Matrix<double, 2, 3> axes;                  // right, forward (W)
   Eigen::AlignedBox2d shown;                         // [m]
 };
-// That shows all of a path and of `points` (W) but their outermost tenths, with a margin.
+// That shows all of a path, the `points` (W) within its size around it, and the nearest quarter of
+// them, with a margin.
 MapPlane map_plane(const CameraState& first, const std::vector<Eigen::Vector3d>& path,
                    const std::vector<Eigen::Vector3d>& points);
 

@@ -1,10 +1,8 @@
 // The sequence that a room makes: folder, statements and truth.
 #include <fmt/format.h>
 
-#include <fstream>
-
-#include "datasets/native/native_format.h"
 #include "datasets/native/native_writer.h"
+#include "datasets/output/output_files.h"
 #include "datasets/simulation/scene/known_landmarks.h"
 #include "datasets/simulation/scene/statements.h"
 #include "datasets/text/text_table.h"
@@ -44,12 +42,11 @@ LandmarkPrior seen_depths(const Room& room, const RoomOptions& options) {
 }
 
 void write_room_file(RoomOptions options, std::uint64_t seed, const std::filesystem::path& file) {
-  std::ofstream out(file, std::ios::binary);
-  out.exceptions(std::ios::badbit | std::ios::failbit);
-  out << fmt::format("format: {}\nseed: {}\n", kRoomFormat, seed);
+  std::string text = fmt::format("format: {}\nseed: {}\n", kRoomFormat, seed);
   for (const ScenarioParameter& parameter : describe(parameters(options))) {
-    out << fmt::format("{}: {}\n", parameter.name, parameter.value);
+    text += fmt::format("{}: {}\n", parameter.name, parameter.value);
   }
+  write_file(file, text);
 }
 
 struct StoredRoom {
@@ -63,7 +60,9 @@ StoredRoom read_room_file(const std::filesystem::path& file) {
     map.refuse(map.take("format"), fmt::format("'format' must be '{}'", kRoomFormat));
   }
   StoredRoom stored;
-  stored.seed = static_cast<std::uint64_t>(map.real("seed"));
+  const auto seed = parse_number<std::uint64_t>(map.text("seed"));
+  if (!seed) map.refuse(map.take("seed"), "'seed' must be a whole number, not negative");
+  stored.seed = *seed;
   const Parameters table = parameters(stored.options);
   ScenarioOverrides values;
   for (const ScenarioParameter& parameter : describe(table)) {
@@ -101,8 +100,7 @@ Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
   RoomOptions options;
   apply(overrides, "room", parameters(options));
   Sequence sequence = room_sequence(options, seed);
-  write_native(sequence, folder);
-  std::filesystem::remove(folder / native::kObservations);
+  write_native(sequence, folder, NativeParts::kWithoutObservations);
   write_room_file(options, seed, folder / kRoomFile);
   std::filesystem::create_directories(folder / "images");
   const Room room(options, seed);

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "datasets/readers/image_reader.h"
+#include "datasets/sequence/plausible.h"
 #include "frontend/image_file.h"
 
 namespace slammot {
@@ -133,6 +134,9 @@ void track_all(const Sequence& images, const TrackOptions& options, TrackedImage
     if (sequence.frames.empty()) {
       sequence.camera.width = loaded.image.cols;
       sequence.camera.height = loaded.image.rows;
+      if (const Fault fault = camera_fault(sequence.camera)) {
+        throw InputError(images.folder, 0, *fault);  // a camera is read before its size is known
+      }
       if (options.chessboard) {
         board =
             seed_chessboard(loaded.image, images.images[i], *options.chessboard, sequence, tracker);
@@ -171,7 +175,7 @@ TrackedImages track_images(const Sequence& images, const TrackOptions& options) 
   }
   result.tracks = static_cast<int>(tracks.size());
   result.noise = measure_noise(result.sequence);
-  if (result.noise) result.sequence.pixel_sigma = result.noise->sigma;
+  if (result.noise) result.sequence.pixel_sigma = std::max(kLeastStated, result.noise->sigma);
   return result;
 } catch (const cv::Exception& error) {
   throw std::runtime_error(fmt::format("OpenCV: {}", error.err));

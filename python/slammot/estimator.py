@@ -85,12 +85,15 @@ class LandmarkEstimate:
 
 @dataclass
 class FrameReport:
-    """What happened in a frame; `nis` are those of the accepted measurements."""
+    """What happened in a frame; `nis` are those of the accepted measurements, each on its own, `joint_nis` that of all of
+    them together. Of what is None the run does not warn."""
     accepted: int = 0
+    accepted_static: int = None  # of them those of static landmarks
     rejected: int = 0
     admitted: int = 0
     state_size: int = 0
     nis: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    joint_nis: float = None
 
 
 class Estimator:

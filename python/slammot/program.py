@@ -39,16 +39,24 @@ def _settings(flag, settings):
     return [word for key, value in settings.items() for word in (flag, f"{key}={value}")]
 
 
-def simulate(scenario, seed=1, output=None, **settings):
-    """A Sequence. It stays in the folder `output`, where one is given. The same seed gives the same numbers."""
+def _force(force):
+    return ["--force"] if force else []
+
+
+def simulate(scenario, seed=1, output=None, force=False, **settings):
+    """A Sequence. It stays in the folder `output`, where one is given; `force` replaces an earlier one there. The same
+    seed gives the same numbers."""
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(output) if output else pathlib.Path(temporary, "sequence")
-        slammot("simulate", scenario, "--seed", seed, *_settings("--set", settings), "--output", folder)
+        slammot("simulate", scenario, "--seed", seed, *_settings("--set", settings), "--output", folder,
+                *_force(force))
         return read_sequence(folder)
 
 
-def run(sequence, estimator, output, **settings):
+def run(sequence, estimator, output, force=False, **settings):
     """Runs an estimator of the program, or `python:FILE.py:Class`, on a sequence's folder, and returns the Run. Keys with
-    dots are given as **{"window.frames": 5}. A run that diverged is returned as far as it went."""
-    slammot("run", sequence, "--estimator", estimator, *_settings("--set", settings), "--output", output, diverged=True)
+    dots are given as **{"window.frames": 5}. `force` replaces an earlier run in `output`. A run that diverged is returned
+    as far as it went."""
+    slammot("run", sequence, "--estimator", estimator, *_settings("--set", settings), "--output", output, *_force(force),
+            diverged=True)
     return read_run(output)

@@ -91,7 +91,9 @@ def landmark_json(landmark):
 
 def report_json(report):
     return {"accepted": int(report.accepted), "rejected": int(report.rejected), "admitted": int(report.admitted),
-            "state_size": int(report.state_size), "nis_sum": float(np.sum(report.nis))}
+            "state_size": int(report.state_size), "nis_sum": float(np.sum(report.nis)),
+            "accepted_static": None if report.accepted_static is None else int(report.accepted_static),
+            "joint_nis": None if report.joint_nis is None else float(report.joint_nis)}
 
 
 class Session:
@@ -113,9 +115,9 @@ class Session:
     def process(self, frame):
         self.timestamp = frame.timestamp
         estimate = self.estimator.process(frame)
-        camera, report = estimate if isinstance(estimate, tuple) else (estimate, api.FrameReport())
+        camera, report = estimate if isinstance(estimate, tuple) else (estimate, None)
         measured = [landmark for landmark in self.estimator.landmarks() if landmark.last_frame == frame.index]
-        return {"camera": camera_json(camera, frame.timestamp), "report": report_json(report),
+        return {"camera": camera_json(camera, frame.timestamp), "report": None if report is None else report_json(report),
                 "landmarks": [landmark_json(landmark) for landmark in measured]}
 
 

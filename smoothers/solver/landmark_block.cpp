@@ -312,6 +312,7 @@ void LandmarkBlock::newest(Eigen::Ref<Eigen::MatrixXd> E, LandmarkMatrix& covari
   if (independent_) return;
   const int dim = states_ - first_private_;
   if (rows_ == 0) {
+    if (dim == 0) return;  // V_ is not of this block then, or was never set
     const auto Phi = Phi_.rightCols(dim);
     covariance += Phi * V_ * Phi.transpose();
     return;

@@ -140,6 +140,17 @@ void NormalEquations::solve_pieces() {
   }
 }
 
+// E += d(newest state)' / d(core); `own`: what the core does not say of it, of an active one.
+void NormalEquations::state_columns(const Graph& graph, LandmarkId id,
+                                    Eigen::Ref<Eigen::MatrixXd> E, LandmarkMatrix& own) const {
+  const VariableId y = graph[id].y;
+  if (!graph.variables[y].is_active) return columns_of(graph, y, E);
+  blocks_[static_cast<std::size_t>(id)].newest(E, own);
+  if (!joints_[static_cast<std::size_t>(id)].is_new) return;
+  auto rotation = E.middleRows<3>(camera_core_[1]);  // linearised where the last step has led
+  rotation = (turn_.transpose() * rotation).eval();
+}
+
 // Of the anchor and the newest state; and what the core does not say of them.
 void NormalEquations::fill_columns(const Graph& graph, const Asked& asked) {
   Joint& joint = joints_[static_cast<std::size_t>(asked.id)];
@@ -151,18 +162,30 @@ void NormalEquations::fill_columns(const Graph& graph, const Asked& asked) {
   of_anchor.setZero();  // another landmark's, too
   columns_of(graph, l.anchor, of_anchor);
   auto of_state = (*columns_).middleCols(state.column, dim);
-  if (graph.variables[l.y].is_active) {
-    LandmarkMatrix own;
-    blocks_[static_cast<std::size_t>(asked.id)].newest(of_state, own);
-    joint.covariance.bottomRightCorner(dim, dim) = own;
-    if (joint.is_new) {  // linearised where the last step has led
-      auto rotation = of_state.middleRows<3>(camera_core_[1]);
-      rotation = (turn_.transpose() * rotation).eval();
-    }
-  } else {
-    columns_of(graph, l.y, of_state);
-  }
+  LandmarkMatrix own = LandmarkMatrix::Zero(dim, dim);
+  state_columns(graph, asked.id, of_state, own);
+  joint.covariance.bottomRightCorner(dim, dim) = own;
   inactive_covariance(graph, l, joint.covariance);
+}
+
+void NormalEquations::project(const Graph& graph, LandmarkId id,
+                              const Eigen::Ref<const Eigen::MatrixXd>& H,
+                              Eigen::Ref<Eigen::MatrixXd> C) const {
+  C.setZero();
+  C.middleRows<3>(camera_core_[0]) = H.middleCols<3>(kPosition).transpose();
+  C.middleRows<3>(camera_core_[1]) =
+      turn_.transpose().lazyProduct(H.middleCols<3>(kRotation).transpose());
+  C.middleRows<6>(camera_core_[2]) = H.middleCols<6>(kVelocity).transpose();
+  if (H.cols() == kCameraDim) return;
+  const GraphLandmark& l = graph[id];
+  const int dim = state_dim(graph, id);
+  scratch_.resize(core_dim_, 3 + dim);
+  auto E = *scratch_;
+  E.setZero();
+  columns_of(graph, l.anchor, E.leftCols<3>());
+  LandmarkMatrix own;
+  state_columns(graph, id, E.rightCols(dim), own);
+  C += E.lazyProduct(H.rightCols(3 + dim).transpose());
 }
 
 void NormalEquations::fill_joint(const Asked& asked) {

@@ -47,6 +47,10 @@ class NormalEquations {
   int steps(LandmarkId id) const { return blocks_[static_cast<std::size_t>(id)].steps(); }
   int state_dim(const Graph& graph, LandmarkId id) const;
 
+  // C := d(camera, anchor, newest state)' / d(core) H', for H 2 x (as joint(), or camera alone).
+  void project(const Graph& graph, LandmarkId id, const Eigen::Ref<const Eigen::MatrixXd>& H,
+               Eigen::Ref<Eigen::MatrixXd> C) const;
+
   // For questions of other kinds: C := L^-1 C, so that C'C is the covariance of C' core.
   int core_dim() const { return core_dim_; }
   void whiten(Eigen::Ref<Eigen::MatrixXd> C) const;
@@ -83,6 +87,8 @@ class NormalEquations {
   void add_blocks(const Graph& graph, double damping);
   void compute_camera();
   void columns_of(const Graph& graph, VariableId id, Eigen::Ref<Eigen::MatrixXd> E) const;
+  void state_columns(const Graph& graph, LandmarkId id, Eigen::Ref<Eigen::MatrixXd> E,
+                     LandmarkMatrix& own) const;
   void inactive_covariance(const Graph& graph, const GraphLandmark& landmark,
                            JointMatrix& covariance) const;
 
@@ -98,6 +104,7 @@ class NormalEquations {
   Matrix12d camera_covariance_;
   Eigen::Matrix3d turn_;           // right Jacobian of the camera's last step
   GrowingMatrix columns_, cross_;  // scratch
+  mutable GrowingMatrix scratch_;
   std::vector<Asked> asked_;
   std::vector<Piece> pieces_;
   std::vector<Piece*> sorted_;  // by first row

@@ -36,7 +36,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       truth_(truth_of(setup, options), graph_, cameras_),
       optimiser_(truth_ ? StepRule::kEvery : StepRule::kDescent),
       histories_(histories),
-      gate_(models.gate_probability, setup.pixel_sigma) {
+      gate_threshold_(pixel_threshold(models.gate.probability)) {
   if (options.solver == WindowSolver::kCeres && graph_.fixed_points()) {
     throw std::invalid_argument(
         "window.solver ceres minimises the cost: it needs window.linearisation standard");

@@ -34,8 +34,7 @@ class Window final : public Belief {
   void leaving(std::vector<int>& tracks) override;
   void predict(const Frame& frame, double dt) override;
   void add_known(const KnownLandmark& known) override;
-  void innovations(std::span<const Observation> measured,
-                   std::vector<PixelInnovation>& result) override;
+  void innovations(std::span<const Observation> measured, FrameInnovation& result) override;
   void update(const TrackRecords& records, std::span<const Observation> accepted,
               StageListener& stages) override;
   void leave_one_out(std::vector<LeaveOneOut>& result) override;
@@ -48,6 +47,7 @@ class Window final : public Belief {
 
   int state_size() const override;
   CameraEstimate camera() const override { return camera_; }
+  std::optional<PoseEstimate> pose_before(int frames) const override;
   void points(std::vector<LandmarkPoint>& result) override;
   std::vector<LandmarkBelief> landmarks(std::span<const int> tracks) const override;
   std::vector<CameraEstimate> smoothed() override;
@@ -93,8 +93,21 @@ class Window final : public Belief {
   double refresh_noises();
   void prepare(std::span<const int> tracks) const;
   JointMatrix joint(const WindowLandmark& landmark) const;
-  std::optional<PixelInnovation> innovation(const Observation& z) const;
-  Eigen::Matrix2d innovation_of_new(const WindowLandmark& landmark, const ObservedPixel& h) const;
+
+  // window_innovations.cpp: a measurement's pixel as it is expected.
+  struct Expected {
+    LandmarkId landmark = 0;
+    Eigen::Vector2d nu;    // z - h(x) [px]
+    Eigen::Matrix2d HPHt;  // [px^2]
+    Eigen::Matrix<double, 2, 6> J_pose;
+    // Of (camera, anchor, state) as they were factorised; of one known at first sight: (camera).
+    BoundedMatrix<2, Eigen::Dynamic, 2, kMaxJoint> H;
+  };
+  std::optional<Expected> expected(const Observation& z) const;
+  void expect_new(const GraphLandmark& l, const ObservedPixel& h, Expected& result) const;
+  void fill_HPHt(GrowingMatrix& HPHt);
+  void add_inactive(Eigen::Ref<Eigen::MatrixXd> HPHt) const;
+
   LandmarkVector at_rest(const WindowLandmark& landmark) const;  // (y, 0) of a static one
   void end_history(const WindowLandmark& landmark, const TrackRecord& record) const;
   bool is_inactive(VariableId id) const { return !graph_.variables[id].is_active; }
@@ -116,7 +129,7 @@ class Window final : public Belief {
   TrackHistories* histories_;
 
   // With `window.retest`.
-  PixelGate gate_;
+  double gate_threshold_;
   GivenOthers given_others_;
   std::vector<Observation> gated_;     // of the frame in hand
   std::vector<RefusedPixel> refused_;  // in the window, of landmarks that are there
@@ -128,6 +141,8 @@ class Window final : public Belief {
 
   // Of the frame in hand, kept for their memory.
   std::vector<int> measured_, used_;
+  std::vector<Expected> expected_;
+  GrowingMatrix core_columns_;
   mutable std::vector<LandmarkId> ids_;
   Leaving leaving_;
   std::vector<VariableId> returning_;

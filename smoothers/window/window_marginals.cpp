@@ -1,5 +1,4 @@
-// What gate, labels, births and reports read from the last factorisation.
-#include "models/points/initialisation.h"
+// What labels, births and reports read from the last factorisation.
 #include "smoothers/window/window_belief.h"
 
 namespace slammot {
@@ -11,7 +10,7 @@ void Window::prepare(std::span<const int> tracks) const {
     const LandmarkId id = landmarks_.at(track).id;
     const GraphLandmark& l = graph_[id];
     const bool is_new = l.birth.kind == BirthPrior::Kind::kKnown && l.anchor == newest &&
-                        l.pixels.empty();  // innovation_of_new()
+                        l.pixels.empty();  // expect_new()
     if (!is_new) ids_.push_back(id);
   }
   optimiser_.equations().prepare(graph_, ids_);
@@ -38,58 +37,6 @@ JointMatrix Window::joint(const WindowLandmark& landmark) const {
   return P;
 }
 
-void Window::innovations(std::span<const Observation> measured,
-                         std::vector<PixelInnovation>& result) {
-  result.clear();
-  measured_.clear();
-  for (const Observation& z : measured) measured_.push_back(z.track);
-  prepare(measured_);
-  for (const Observation& z : measured) {
-    if (const auto found = innovation(z)) result.push_back(*found);
-  }
-  if (!options_.retest) return;
-  gated_.clear();
-  for (const PixelInnovation& innovation : result) gated_.push_back(innovation.z);
-}
-
-std::optional<PixelInnovation> Window::innovation(const Observation& z) const {
-  const WindowLandmark& landmark = landmarks_.at(z.track);
-  const GraphLandmark& l = graph_[landmark.id];
-  const CameraState x = cameras_.state(cameras_.newest());
-  const auto h = expect(setup_.camera, functions_.point, x.position, x.orientation,
-                        graph_.value(l.anchor), graph_.newest_state(l).head<3>());
-  if (!h) return std::nullopt;
-  PixelInnovation result{z, z.pixel - h->pixel, Eigen::Matrix2d::Zero()};
-  const ObservedPixel at = truth_ ? truth_.observe(landmark).value_or(*h) : *h;
-  if (l.anchor == cameras_.newest().camera.position) {
-    result.HPHt = innovation_of_new(landmark, at);
-    return result;
-  }
-  const JointMatrix P = joint(landmark);
-  Eigen::Matrix<double, 2, kCameraDim + 6> H;
-  H << at.J_pose * F_.topRows<6>(), at.J_anchor, at.J_y;
-  const auto P_seen = P.topLeftCorner<kCameraDim + 6, kCameraDim + 6>();
-  result.HPHt =
-      H * P_seen * H.transpose() + at.J_pose * Q_.topLeftCorner<6, 6>() * at.J_pose.transpose();
-  return result;
-}
-
-// A landmark known beforehand, at its first sight: y follows from its position and the camera.
-Eigen::Matrix2d Window::innovation_of_new(const WindowLandmark& landmark,
-                                          const ObservedPixel& h) const {
-  const GraphLandmark& l = graph_[landmark.id];
-  const Eigen::Matrix3d J_y_position =
-      initialise_known(functions_.point, l.birth.known, graph_.variables[l.anchor].point())
-          .J_y_position;
-  const Matrix23d J_position = h.J_y * J_y_position;
-  Eigen::Matrix<double, 2, kCameraDim> H = Eigen::Matrix<double, 2, kCameraDim>::Zero();
-  H.leftCols<6>() = h.J_pose;
-  H.leftCols<3>() += h.J_anchor - J_position;
-  const Matrix12d P = F_ * optimiser_.equations().camera_covariance() * F_.transpose() + Q_;
-  return H * P * H.transpose() +
-         std::pow(l.birth.known.sigma, 2) * J_position * J_position.transpose();
-}
-
 // With r the residual that is left and I - J P J' its covariance, r' (I - J P J')^-1 r is the NIS
 // given all other measurements, as the EKF has it from its innovations (mathematics.md).
 void Window::leave_one_out(std::vector<LeaveOneOut>& result) {
@@ -108,6 +55,15 @@ void Window::leave_one_out(std::vector<LeaveOneOut>& result) {
         J * P.topLeftCorner<kCameraDim + 6, kCameraDim + 6>() * J.transpose();
     result.push_back({track, pixel.at.r.dot(own.inverse() * pixel.at.r)});
   }
+}
+
+std::optional<PoseEstimate> Window::pose_before(int frames) const {
+  const auto& all = cameras_.frames();
+  if (frames >= std::ssize(all)) return std::nullopt;
+  const WindowFrame& frame = all[all.size() - 1 - static_cast<std::size_t>(frames)];
+  const CameraState x = cameras_.state(frame);
+  const Matrix12d P = optimiser_.equations().camera_covariance(graph_, frame.camera);
+  return PoseEstimate{x.position, x.orientation, P.topLeftCorner<6, 6>()};
 }
 
 void Window::inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) {

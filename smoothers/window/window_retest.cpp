@@ -40,10 +40,10 @@ bool Window::retest() {
     });
     if (first->is_held) {
       const auto worst = std::ranges::max_element(first, next, {}, &RetestedPixel::nis);
-      if (!gate_.passes(worst->nis)) let_go(*worst);
+      if (!(worst->nis <= gate_threshold_)) let_go(*worst);
     } else {
       std::for_each(first, next, [&](const RetestedPixel& z) {
-        if (gate_.passes(z.nis)) admit(z);
+        if (z.nis <= gate_threshold_) admit(z);
       });
     }
     first = next;

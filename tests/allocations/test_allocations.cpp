@@ -92,11 +92,19 @@ class Allocations : public testing::TestWithParam<LabelRule> {
   slammot::Setup setup = wall_setup();
   ModelOptions models;
 };
+const char* name_of(LabelRule rule) {
+  return rule == LabelRule::kOneWay ? "one_way" : "reversible";
+}
+
+}  // namespace
+
+void PrintTo(LabelRule rule, std::ostream* out) { *out << name_of(rule); }
+
+namespace {
+
 INSTANTIATE_TEST_SUITE_P(Labels, Allocations,
                          testing::Values(LabelRule::kOneWay, LabelRule::kReversible),
-                         [](const auto& rule) {
-                           return rule.param == LabelRule::kOneWay ? "one_way" : "reversible";
-                         });
+                         [](const auto& rule) { return name_of(rule.param); });
 
 TEST_P(Allocations, NoneByAWarmFilter) {
   expect_no_allocation(*make_ekf(setup, models, {}), setup);

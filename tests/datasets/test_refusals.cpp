@@ -38,6 +38,20 @@ TEST(NativeReader, RefusesAMissingFolderAndMissingFiles) {
             std::string::npos);
 }
 
+// What lies just within the limits is read.
+TEST(NativeReader, TakesWhatIsUnusual) {
+  test::TemporaryFolder folder;
+  test::write_good(folder.path());
+  test::write_text(folder.path() / "observations.csv",
+                   "frame,track,u,v\n0,5,-320,-240\n0,3,640,480\n");
+  test::write_text(folder.path() / "frames.csv",
+                   "frame,timestamp,image\n0,1e9,a, b.png\n1,1000000000.001,\xc3\xa9.png\n");
+  fs::remove(folder.path() / "landmarks.csv");
+  EXPECT_EQ(refusal(folder.path()), "accepted");
+  EXPECT_EQ(read_sequence(folder.path()).images,
+            (std::vector<std::string>{"a, b.png", "\xc3\xa9.png"}));
+}
+
 // One change of one good file, and what it must be refused with.
 struct Fault {
   const char* name;
@@ -116,6 +130,36 @@ const Fault kTableFaults[] = {
      "landmarks.csv:4: frame 7 does not exist"},
     {"LandmarksHeader", "landmarks.csv", "vx,vy,vz", "u,v,w",
      "landmarks.csv:1: the first line must be 'track,frame,class,x,y,z,vx,vy,vz'"},
+    {"FarPixel", "observations.csv", "3.5,4", "1e9,4",
+     "observations.csv:3: pixel 1000000000, 4 is more than one image size outside the image of 320 "
+     "x "},
+    {"PixelBelow", "observations.csv", "3.5,4", "3.5,480.5",
+     "observations.csv:3: pixel 3.5, 480.5 is more than one image size outside"},
+    {"NotUtf8", "observations.csv", "0,3,", "0,\xff,", "observations.csv:3: is not UTF-8"},
+    {"ImageNotUtf8", "frames.csv", "frame,timestamp\n0,0\n",
+     "frame,timestamp,image\n0,0,\xe9.png\n", "frames.csv:2: is not UTF-8"},
+    {"ControlCharacter", "observations.csv", "0,3,", "0,\x1b[2J,",
+     "observations.csv:3: '\\x1b[2J' is not a whole number"},
+    {"DistantTime", "frames.csv", "2,0.2", "2,1e18",
+     "frames.csv:4: a time of 1e+18 s is not plausible"},
+    {"TimeBelowTheClock", "frames.csv", "1,0.1\n2,0.2", "1,1e9\n2,1000000000.00001",
+     "frames.csv:4: timestamp 1000000000.00001 follows 1000000000 too closely for its digits"},
+    {"PicosecondStep", "frames.csv", "1,0.1", "1,1e-12",
+     "frames.csv:3: timestamp 1e-12 follows 0 "},
+    {"DistantPose", "groundtruth.tum", "0.101 1", "0.101 1e300",
+     "groundtruth.tum:3: '1e300' is not plausible"},
+    {"DistantPoseTime", "groundtruth.tum", "0.26 ", "1e18 ",
+     "groundtruth.tum:4: a time of 1e+18 s is not plausible"},
+    {"LongQuaternion", "groundtruth.tum", "0.101 1 0 0 0 0 0 1", "0.101 1 0 0 0 0 0 2",
+     "groundtruth.tum:3: the quaternion has length 2, not 1"},
+    {"ShortQuaternion", "groundtruth.tum", "0.101 1 0 0 0 0 0 1", "0.101 1 0 0 0 0 0 0.001",
+     "groundtruth.tum:3: the quaternion has length 0.001, not 1"},
+    {"DistantLandmark", "landmarks.csv", "3,0,static,1,", "3,0,static,-1e10,",
+     "landmarks.csv:2: '-1e10' is not plausible"},
+    {"FastLandmark", "landmarks.csv", "5,0,moving,1,2,3,0,0,1", "5,0,moving,1,2,3,0,0,1e200",
+     "landmarks.csv:3: '1e200' is not plausible"},
+    {"KnownSigmaTooSmall", "known.csv", "0.001", "1e-300",
+     "known.csv:2: '1e-300' is not plausible"},
     {"KnownSigma", "known.csv", "0.001", "0", "known.csv:2: '0' is not greater than zero"},
     {"KnownTwice", "known.csv", "3,1,2,3,0.001\n", "3,1,2,3,1\n3,1,2,3,1\n",
      "known.csv:3: track 3 stands twice"},
@@ -144,6 +188,28 @@ const Fault kSettingsFaults[] = {
      "sequence.yaml:3: 'fx' must be a finite number"},
     {"Width", "sequence.yaml", "width: 320", "width: 320.5",
      "sequence.yaml:3: 'width' must be a whole number"},
+    {"ShortFocal", "sequence.yaml", "fx: 170", "fx: 1e-3",
+     "sequence.yaml:3: a focal length of 0.001 px is not plausible for 320 x 240 px"},
+    {"LongFocal", "sequence.yaml", "fy: 171", "fy: 1e9",
+     "sequence.yaml:3: a focal length of 1000000000 px is not plausible"},
+    {"PrincipalPoint", "sequence.yaml", "cx: 160", "cx: 700",
+     "sequence.yaml:3: the principal point 700, 120 is far outside the image"},
+    {"Coefficient", "sequence.yaml", "0.1, 0.2", "0.1, 1e6",
+     "sequence.yaml:3: no lens has a coefficient 1000000"},
+    {"LargeImage", "sequence.yaml", "width: 320", "width: 1e8", "sequence.yaml:3: no image is "},
+    {"NameOfAnotherFolder", "sequence.yaml", "name: small", "name: a/../../x",
+     "sequence.yaml:2: 'name' names a folder and has no '/'"},
+    {"NameAbove", "sequence.yaml", "name: small", "name: ..", "sequence.yaml:2: 'name' is no name"},
+    {"NameOfTwoLines", "sequence.yaml", "name: small", "name: \"a\\nb\"",
+     "sequence.yaml:2: 'name' contains a control character"},
+    {"NameNotUtf8", "sequence.yaml", "name: small", "name: caf\xe9",
+     "sequence.yaml:2: is not UTF-8"},
+    {"SmallSigma", "sequence.yaml", "pixel_sigma: 1.5", "pixel_sigma: 1e-300",
+     "sequence.yaml:4: 'pixel_sigma' is not plausible"},
+    {"LargeNumber", "sequence.yaml", "max_speed: 2", "max_speed: 1e300",
+     "sequence.yaml:6: 'max_speed' is not plausible"},
+    {"InitialLongQuaternion", "initial.yaml", "[0, 0, 0, 1]", "[0, 0, 3, 4]",
+     "initial.yaml:2: the quaternion has length 5, not 1"},
     {"PixelSigma", "sequence.yaml", "pixel_sigma: 1.5", "pixel_sigma: -1",
      "sequence.yaml:4: 'pixel_sigma' must be greater than zero"},
     {"PixelSigmaText", "sequence.yaml", "pixel_sigma: 1.5", "pixel_sigma: one",

@@ -146,6 +146,13 @@ std::vector<const ScenarioRow*> rows() {
   for (const ScenarioRow& row : scenario_table()) rows.push_back(&row);
   return rows;
 }
+
+}  // namespace
+
+void PrintTo(const ScenarioRow* row, std::ostream* out) { *out << row->name; }
+
+namespace {
+
 INSTANTIATE_TEST_SUITE_P(Table, EveryScenario, testing::ValuesIn(rows()),
                          [](const auto& row) { return std::string(row.param->name); });
 

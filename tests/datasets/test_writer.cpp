@@ -32,13 +32,13 @@ TEST(NativeWriter, RoundTripIsExact) {
   test::write_good(folder.path());
   Sequence a = read_native(folder.path());
   a.name = "say \"x\": \\ 1";
-  a.images = {"a.png", "b.png", "c d.png"};
+  a.images = {"a.png", "b.png", "c, d.png"};
   a.camera.fx = 170.0 + 1.0 / 3.0;
   a.frames[1].observations = {{7, {1.0 / 3.0, -1e-300}}};
   a.frames[2].timestamp = 0.1 + 0.2;
   for (auto& truth : a.truth) {
     truth.emplace();
-    truth->position = Eigen::Vector3d(0.1, 1e22, std::numeric_limits<double>::denorm_min());
+    truth->position = Eigen::Vector3d(0.1, 1e8, std::numeric_limits<double>::denorm_min());
     truth->orientation = exp_so3(Eigen::Vector3d(0.3, -2.0, 0.7));
   }
   a.initial->state.orientation = a.truth[0]->orientation;
@@ -55,6 +55,28 @@ TEST(NativeWriter, RoundTripIsExact) {
     EXPECT_EQ(test::read_text(folder.path() / "new" / "folder" / name),
               test::read_text(folder.path() / "again" / name));
   }
+}
+
+// All or nothing: what the reader would refuse is not written, and what stood there stays.
+TEST(NativeWriter, WritesNothingThatTheReaderRefuses) {
+  test::TemporaryFolder folder;
+  test::write_good(folder.path());
+  const Sequence good = read_native(folder.path());
+  const auto refused = [&](const std::function<void(Sequence&)>& spoil) {
+    Sequence s = good;
+    spoil(s);
+    EXPECT_THROW(write_native(s, folder.path()), std::invalid_argument);
+    for (const auto& [name, text] : test::kGood) {
+      EXPECT_EQ(test::read_text(folder.path() / name), text) << name;
+    }
+  };
+  refused([](Sequence& s) { s.camera.fx = 0.0; });
+  refused([](Sequence& s) { s.name = "a\nb"; });
+  refused([](Sequence& s) { s.images = {"a.png", "b\n.png", "c.png"}; });
+  refused([](Sequence& s) { s.images = {"a.png", "b.png\r", "c.png"}; });
+  refused([](Sequence& s) { s.frames[0].observations[0].pixel.x() = 1e9; });
+  refused([](Sequence& s) { s.frames[1].timestamp = s.frames[0].timestamp; });
+  refused([](Sequence& s) { s.known[0].position.x() = std::nan(""); });
 }
 
 TEST(NativeWriter, RemovesWhatTheSequenceDoesNotHave) {

@@ -95,10 +95,16 @@ TEST(DepthPrior, BesideASharedMeanAWrongGuessIsNoSpread) {
 
 TEST(DepthPrior, Sources) {
   for (const bool some_are_known : {false, true}) {
-    EXPECT_FALSE(learns_depths(DepthPriorSource::kFixed, some_are_known));
-    EXPECT_TRUE(learns_depths(DepthPriorSource::kEmpirical, some_are_known));
-    EXPECT_EQ(learns_depths(DepthPriorSource::kAuto, some_are_known), some_are_known);
+    EXPECT_FALSE(learns_depths(DepthPriorSource::kFixed, {}, some_are_known));
+    EXPECT_TRUE(learns_depths(DepthPriorSource::kEmpirical, {}, some_are_known));
+    EXPECT_EQ(learns_depths(DepthPriorSource::kAuto, {}, some_are_known), some_are_known);
     EXPECT_EQ(DepthPrior(some_are_known, statement(0.2, 0.1)).of_new().inverse_depth, 0.2);
+    InitialCamera driving;  // a first velocity known to a tenth holds the scale
+    driving.state.velocity.z() = 8.0;
+    driving.velocity_sigma = 0.8;
+    EXPECT_TRUE(learns_depths(DepthPriorSource::kAuto, driving, some_are_known));
+    driving.velocity_sigma = 8.0;
+    EXPECT_EQ(learns_depths(DepthPriorSource::kAuto, driving, some_are_known), some_are_known);
   }
 }
 

@@ -34,14 +34,18 @@ class FakeBelief final : public Belief {
     call("add_known");
     state[known.track];
   }
-  void innovations(std::span<const Observation> measured,
-                   std::vector<PixelInnovation>& result) override {
+  void innovations(std::span<const Observation> measured, FrameInnovation& result) override {
     call("innovations");
-    result.clear();
+    result.z.clear();
+    result.nu.clear();
     for (const Observation& z : measured) {
       if (!state.at(z.track).in_view) continue;
-      result.push_back({z, {state.at(z.track).error, 0.0}, Eigen::Matrix2d::Zero()});
+      result.z.push_back(z);
+      result.nu.emplace_back(state.at(z.track).error, 0.0);
     }
+    const Eigen::Index size = 2 * std::ssize(result.z);
+    result.HPHt.resize(size, size);
+    (*result.HPHt).setZero();
   }
   void update(const TrackRecords&, std::span<const Observation> accepted, StageListener&) override {
     call("update");
@@ -216,7 +220,9 @@ TEST_F(FrameLoopOf, RefusesAPriorAtInfinityWhereThereIsNone) {
 }
 
 TEST_F(FrameLoopOf, ClassifiesAndCollapses) {
-  start({});
+  ModelOptions models;
+  models.classifier.name = "thesis";
+  start(models);
   frame({});
   EXPECT_EQ(frame({1, 2, 3}).admitted, 3);  // after the first frame: unknown
   belief_->state.at(1) = {true, 0.0, 0.0, 0.1};
@@ -255,6 +261,7 @@ TEST_F(FrameLoopOf, RevertsAStaticLabelThatTheOtherMeasurementsReject) {
 TEST_F(FrameLoopOf, StartsOverWithTheLabelsOfTheFirstFrame) {
   ModelOptions models;
   models.labels.start = 3;
+  models.classifier.name = "thesis";
   start_with(models);
   frame({1, 2});
   EXPECT_EQ(label(1), Label::kUnknown);

@@ -67,7 +67,7 @@ RunResult run_ideal(const Sequence& sequence, const Misstatement& misstate, doub
   configuration.model.classifier.name = "truth";
   configuration.model.labels.rule = LabelRule::kOneWay;
   configuration.model.depth_prior = DepthPriorSource::kFixed;
-  configuration.model.gate_probability = 1.0;  // rejects nothing, and so selects nothing
+  configuration.model.gate = {1.0, 1.0};  // rejects nothing, and so selects nothing
   configuration.ekf.linearisation = FilterLinearisation::kIdeal;
   Setup setup = make_setup(sequence, configuration);
   misstate(setup, factor);
@@ -146,6 +146,8 @@ struct Wrong {
   Misstatement state;
   Statistic told_by;
 };
+
+void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.what; }
 
 class Misstated : public testing::TestWithParam<Wrong> {};
 

@@ -33,6 +33,7 @@ void expect_same(const FrameReport& a, const FrameReport& b) {
   ASSERT_EQ(a.admitted, b.admitted);
   ASSERT_EQ(a.negative_inverse_depth, b.negative_inverse_depth);
   ASSERT_NEAR(a.nis_sum, b.nis_sum, 1e-9 * (1.0 + a.nis_sum));
+  ASSERT_NEAR(a.joint_nis, b.joint_nis, 1e-8 * (1.0 + a.joint_nis));
   ASSERT_EQ(a.retired.size(), b.retired.size());
   for (std::size_t i = 0; i < a.retired.size(); ++i) {
     ASSERT_EQ(a.retired[i].track, b.retired[i].track);
@@ -160,7 +161,7 @@ TEST(OneFrame, AtTheTruthIsTheIdealEkf) {
   configuration.ekf.linearisation = FilterLinearisation::kIdeal;
   configuration.window.linearisation = WindowLinearisation::kIdeal;
   configuration.window.frames = configuration.window.iterations = 1;
-  configuration.model.gate_probability = 0.999999;
+  configuration.model.gate = {0.999999, 1.0};
   configuration.model.classifier.name = "truth";
   configuration.model.labels.rule = LabelRule::kOneWay;
   const slammot::Setup setup = make_setup(sequence, configuration);
@@ -258,7 +259,7 @@ TEST(Batch, HasOneMinimumInEveryParametrisation) {
   ModelOptions models;
   models.landmark = "inverse_depth";
   models.depth_prior = DepthPriorSource::kFixed;
-  models.gate_probability = 0.999999;
+  models.gate = {0.999999, 1.0};
   std::vector<CameraEstimate> first;
   for (const PointFunctions& point : point_table()) {
     SCOPED_TRACE(point.name);

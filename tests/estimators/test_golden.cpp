@@ -70,6 +70,8 @@ TEST_P(Golden, FiguresFromBeforeTheWorkOnSpeedStay) {
   configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
   configuration.model.collapse = Collapse::kDrop;
   configuration.model.depth_prior = DepthPriorSource::kFixed;
+  configuration.model.classifier.name = "thesis";
+  configuration.model.gate.given_others = 1.0;
   configuration.window.frames = 10;
   configuration.window.linearisation_error = 0.0;  // all iterations
   const Sequence sequence =

@@ -99,7 +99,7 @@ TEST(LabelTruth, JudgesARunAndAStoredOne) {
     const RunDescription description{"", "ekf", (folder.path() / "sequence").string(), "", "",
                                      1,  {}};
     write_run(folder.path() / "run", description, run, metrics);
-    const NamedMetrics again = evaluate_run(folder.path() / "run", {});
+    const JudgedRun again = Judge({})(folder.path() / "run", std::nullopt);
     EXPECT_EQ(again.metrics.classification.statics.right, statics.right);
     EXPECT_EQ(again.metrics.classification.statics.wrong, statics.wrong);
     EXPECT_EQ(again.metrics.classification.movings.right, 1);

@@ -73,13 +73,20 @@ Sequence draw(const ScenarioOverrides& world, unsigned seed) {
   return sequence;
 }
 
+// Landmarks are drawn from the stated prior.
+Configuration stated() {
+  Configuration configuration;
+  configuration.model.depth_prior = DepthPriorSource::kFixed;
+  return configuration;
+}
+
 Eigen::MatrixXd information_of(const Sequence& sequence) {
-  return test::path_information(sequence, make_setup(sequence, {}));
+  return test::path_information(sequence, make_setup(sequence, stated()));
 }
 
 CameraEstimate last(const Sequence& sequence, const char* estimator) {
-  Configuration configuration;
-  configuration.model.gate_probability = 1.0;
+  Configuration configuration = stated();
+  configuration.model.gate = {1.0, 1.0};
   const RunResult run = run_estimator(sequence, configuration, estimator);
   EXPECT_FALSE(run.diverged);
   EXPECT_EQ(run.totals.rejected + run.totals.out_of_view, 0);

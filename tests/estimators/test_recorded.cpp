@@ -43,12 +43,14 @@ struct Outcome {
   int right[2] = {0, 0}, wrong[2] = {0, 0}, all[2] = {0, 0};  // static, moving
 };
 
-// Means, and sums of labels, over noise seeds: the published one and four more. The first frame is
-// static by rule, as in the author's program.
+// Means, and sums of labels, over noise seeds: the published one and four more. First frame,
+// classifier and depth prior are those of the author's program.
 Outcome over_noise_seeds(const std::string& estimator) {
   constexpr unsigned kSeeds = 5;
   Configuration configuration;
   configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
+  configuration.model.classifier.name = "thesis";
+  configuration.model.depth_prior = DepthPriorSource::kFixed;
   const Sequence published = read_sequence(kData / "synth19_1px");
   Outcome sum;
   for (unsigned seed = 0; seed < kSeeds; ++seed) {

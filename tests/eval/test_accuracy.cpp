@@ -84,6 +84,37 @@ TEST(Accuracy, ByHand) {
   EXPECT_NEAR(a.ate_se3, (std::sqrt(2.0) - 1.0) * std::sqrt(2.0 / 3.0), 1e-12);
 }
 
+TEST(Accuracy, FailedAboveATenthOfThePath) {
+  const Sequence sequence = test::straight_line(41);  // a metre in each frame
+  const auto off_by = [&](double metres, int from) {
+    return pairs_of(sequence, [=](int i, CameraState& x) {
+      if (i >= from) x.position.y() += metres;
+    });
+  };
+  EXPECT_EQ(failed_at(off_by(1.1, 0), false), 1);  // above a metre
+  EXPECT_EQ(failed_at(off_by(0.9, 0), false), std::nullopt);
+  EXPECT_EQ(failed_at(off_by(2.05, 20), false), 20);  // of 20 m
+  EXPECT_EQ(failed_at(off_by(2.05, 21), false), std::nullopt);
+  EXPECT_EQ(failed_at({}, false), std::nullopt);
+  const Sequence brief = test::straight_line(6);
+  const auto pairs = pairs_of(brief, [](int, CameraState& x) { x.position.y() += 0.6; });
+  EXPECT_EQ(failed_at(pairs, false), 1);            // above a tenth of the whole 5 m
+  EXPECT_EQ(failed_at(pairs, true), std::nullopt);  // aligned away
+}
+
+TEST(PosePairs, AFrameHasItsNearestEstimateOnly) {
+  const Sequence sequence = test::straight_line(3);
+  std::vector<CameraEstimate> dense;
+  for (const double time : {0.6, 0.9, 1.2, 1.45}) {
+    dense.emplace_back();
+    dense.back().timestamp = time;
+  }
+  const auto pairs = pair_with_truth(sequence, dense);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].frame, 1);
+  EXPECT_EQ(pairs[0].estimate.timestamp, 0.9);
+}
+
 TEST(Accuracy, RelativeErrorIgnoresARigidOffset) {
   const Sequence sequence = test::straight_line(5);
   const Eigen::Quaterniond turn = exp_so3(Eigen::Vector3d(0.2, 0.3, -0.4));

@@ -120,7 +120,7 @@ TEST(Cli, UsageErrorsAreOneLineAndNameTheNearest) {
   expect_refused(slammot("run /nowhere --sead 3"), "has no option --sead, the nearest are --set");
   expect_refused(slammot("--quite list scenarios"), "no option --quite, the nearest are --quiet");
   expect_refused(slammot("run"), "SEQUENCE is required; see slammot run --help");
-  expect_refused(slammot("report /a /b"), "no further argument '/b'");
+  expect_refused(slammot("draw /a /b"), "no further argument '/b'");
   expect_refused(slammot(""), "see slammot --help");
   expect_refused(slammot("simulate circle --seed -1 --output /nowhere"), "--seed: '-1'");
   expect_refused(slammot("compare --seed 1.5"), "--seed: '1.5'");

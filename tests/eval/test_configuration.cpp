@@ -137,6 +137,7 @@ TEST(MakeSetup, WarnsWhenEveryLandmarkWouldBeStaticAtOnce) {
     SCOPED_TRACE(landmark);
     c = {};
     c.model.landmark = landmark;
+    c.model.classifier.name = "thesis";
     c.prior.inverse_depth = 0.2;
     c.prior.inverse_depth_sigma = 1e-6;
     c.prior.mean_sigma = 0.0;

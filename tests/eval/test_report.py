@@ -56,7 +56,7 @@ def made_run(estimator, landmark, scale, overconfidence, seed):
               "rotation_error_deg": [3 * d for d in distance], "nees_pose": [None, *nees[1:]],
               "nees_position": nees, "nees_rotation": nees}
     filtered = {
-        "accuracy": {"poses": FRAMES, "position_rmse_m": rmse, "position_max_m": max(distance),
+        "accuracy": {"poses": FRAMES, "position_rmse_m": rmse, "ate_sim3_m": 0.7 * rmse, "position_max_m": max(distance),
                      "position_final_m": distance[-1], "rotation_rmse_deg": 3 * rmse},
         "nees": {"pose": nees_block(6 * overconfidence, 6),
                  "position": nees_block(3 * overconfidence, 3)}}
@@ -99,6 +99,7 @@ def metric_row(key, path, of, name, unit="", form="real", better="smaller", expe
 # Of the table of metrics what the page shows or judges, and one that nothing but the table knows.
 METRICS = [
     metric_row("position_rmse_m", "accuracy.position_rmse_m", "trajectory", "position RMSE", "m"),
+    metric_row("ate_sim3_m", "accuracy.ate_sim3_m", "trajectory", "ATE Sim(3)", "m"),
     metric_row("nees.pose.dof", "nees.pose.dof", "trajectory", "dof", form="count", on_page=False),
     metric_row("nees.pose.mean", "nees.pose.mean", "trajectory", "pose NEES", better="expected", expected="nees.pose.dof"),
     metric_row("nees.pose.mean_over_dof", "nees.pose.mean_over_dof", "trajectory", "ratio", on_page=False),
@@ -144,6 +145,42 @@ def without_truth(comparison):
         for series in filter(None, (run["series"], run["smoothed_series"])):
             for name in ("position_error_m", "rotation_error_deg", "nees_pose"):
                 series[name] = [None] * FRAMES
+
+
+def with_measured_truth(comparison):
+    """The estimates are twice too large and turned by a right angle; the errors after alignment are known."""
+    comparison["sequence"]["exact_truth"] = False
+    for run in comparison["runs"]:
+        series = run["series"]
+        series["alignment"] = {"scale": 0.5, "rotation": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]], "translation": [1, 2, 3]}
+        series["aligned_position_error_m"] = [0.5 * e for e in series["position_error_m"]]
+        series["nees_pose"] = [None] * FRAMES
+        series["position"] = [[-2 * (z - 3), 2 * (y - 2), 2 * (x - 1)] for x, y, z in series["position"]]
+        for trajectory in filter(None, (run["metrics"]["filtered"], run["metrics"]["smoothed"])):
+            trajectory.update(nees=None, nees_reason="truth is not exact")
+
+
+def estimator(name, rmse, anees, runs=12, failed=0):
+    def interval(value):
+        return {"value": value, "lower": 0.9 * value, "upper": 1.1 * value, "runs": runs}
+    part = {"dof": 6, "mean": anees, "largest": 2 * anees, "lower": 0.9 * anees, "upper": 1.1 * anees, "inside": 0.5, "infinite": 0}
+    times = [i / 15 for i in range(1, FRAMES)]
+    return {"name": name, "runs": runs, "diverged": 0, "failed": failed,
+            "values": {"position_rmse_m": interval(rmse), "coverage": interval(0.97)}, "anees": {"pose": part},
+            "per_frame": {"timestamp": times, "position_rmse_m": [rmse * (1 + 0.1 * math.sin(t)) for t in times],
+                          "position_sigma_m": [rmse * (1 + 0.1 * math.cos(t)) for t in times],
+                          "anees_pose": [anees * (1 + 0.1 * math.sin(t)) for t in times],
+                          "anees_pose_lower": [4.0] * len(times), "anees_pose_upper": [8.0] * len(times)}}
+
+
+def pooled(comparison):
+    names = ["ekf", "ekf", "mine", "mine"]
+    for i, (run, name) in enumerate(zip(comparison["runs"], names)):
+        run.update(label=f"{name}-{i}", folder=f"{name}-{i}", estimator=name, landmark="", pooled=name, kind="foreign")
+    comparison["sequence"]["count"] = 12
+    comparison["estimators"] = [estimator("ekf", 0.12, 6.2), estimator("mine", 0.2, 9.0, failed=2)]
+    comparison["pairs"] = [{"a": "ekf", "b": "mine", "metric": "position_rmse_m", "pairs": 12, "wins_a": 11, "wins_b": 1,
+                            "difference": {"value": -0.08, "lower": -0.1, "upper": -0.06, "runs": 12}}]
 
 
 def diverged(run):
@@ -230,7 +267,7 @@ class Report(unittest.TestCase):
         self.assertNotRegex(text, r"(?i)\b(nan|none|null|inf|infinity|undefined)\b")
         return text
 
-    def assert_drawn(self, figures):
+    def assert_drawn(self, figures, lines=4):
         dom, errors = chromium(self.output / "report.html", "--dump-dom")
         self.assertEqual(errors, [])
         self.assertIn(f'data-drawn="{len(figures)}"', dom[:2000])
@@ -238,7 +275,7 @@ class Report(unittest.TestCase):
             start = dom.index(f'id="chart-{name}"')
             figure = dom[start:dom.find("<h2", start)]
             marks = re.findall(r'class="js-line"[^>]*\bd="M[^"]{20,}|class="point"><path d="M', figure)
-            self.assertGreater(len(marks), 3, f"the figure {name} is empty")
+            self.assertGreaterEqual(len(marks), lines, f"the figure {name} is empty")
 
     def test_four_runs(self):
         text = self.text_of_report()
@@ -258,13 +295,74 @@ class Report(unittest.TestCase):
         self.assertIn("Not judged: no ground truth.", text)
         self.assert_drawn(["trajectory", "runtime"])
 
+    def charts(self):
+        page = (self.output / "report.html").read_text()
+        return json.loads(re.search(r'id="charts">(.*?)</script>', page, re.DOTALL)[1])
+
+    def test_on_measured_truth_the_similarity_alignment_comes_first(self):
+        with_measured_truth(self.comparison)
+        text = self.text_of_report()
+        self.assertIn("is the most accurate: ATE Sim(3) ", text)
+        self.assertIn("images of one camera tell neither frame nor scale", text)
+        self.assertLess(text.index("ATE Sim(3) m"), text.index("position RMSE m"))
+        charts = self.charts()
+        path = next(t for t in charts["trajectory"]["data"] if t["name"] == "ekf · scaled_velocity")
+        for i in (0, 100, 300):  # where it is in the frame of the truth
+            self.assertAlmostEqual(path["x"][i], true_position(i)[0], delta=0.5)
+            self.assertAlmostEqual(path["y"][i], true_position(i)[2], delta=0.5)
+        self.assertFalse([t for t in charts["position_error"]["data"] if "2σ" in t["name"]])
+        self.assert_drawn(["trajectory", "position_error", "runtime"])
+
+    def test_runs_of_an_estimator_are_put_together(self):
+        pooled(self.comparison)
+        text = self.text_of_report()
+        self.assertIn("4 runs of 2 estimators on 12 sequences", text)
+        self.assertIn("ekf is more accurate than mine: better in 11 of 12 pairs of runs.", text)
+        self.assertIn("ekf is consistent within its interval: ANEES of the pose 6.2 [5.58, 6.82] (6 expected)", text)
+        self.assertIn("mine is overconfident: ANEES of the pose 9 [8.1, 9.9]", text)
+        self.assertIn("mine: 2 of 12 runs failed", text)
+        self.assertIn("0.120 0.108 to 0.132", text)
+        self.assert_drawn(["trajectory", "position_error", "nees", "runtime"], lines=2)  # one for each estimator
+
+    def test_few_runs_decide_nothing(self):
+        pooled(self.comparison)
+        self.comparison["estimators"] = [estimator("ekf", 0.12, 16.2, runs=3), estimator("mine", 0.2, 9.0, runs=3)]
+        self.comparison["pairs"][0]["difference"]["runs"] = 3
+        text = self.text_of_report()
+        self.assertIn("3 runs decide nothing", text)
+        self.assertNotIn("is more accurate", text)
+
+    def test_a_run_that_failed_is_named(self):
+        self.comparison["runs"][0]["metrics"].update(failed=True, failed_at=77)
+        text = self.text_of_report()
+        self.assertIn("ekf · dynamic_inverse_depth failed at frame 77: its error exceeds a tenth of the path.", text)
+
+    def test_labels_are_counted_where_no_truth_is_known(self):
+        without_truth(self.comparison)
+        folder = self.output / self.comparison["runs"][0]["folder"]
+        folder.mkdir()
+        rows = ["1,-,static,4,4", "2,-,static,5,5", "3,-,moving,5,5", "4,-,unknown,,9"]
+        (folder / "classification.csv").write_text("\n".join(["track,truth,label,frame,observations", *rows]) + "\n")
+        text = self.text_of_report(run_files=False)
+        self.assertIn("static moving unknown truth not known 2 1 1", text)
+
+    def test_the_map_frames_the_path_not_the_farthest_point(self):
+        self.comparison["truth"]["landmarks"][0]["last"] = [600.0, 0.0, -600.0]
+        self.text_of_report()
+        trajectory = self.charts()["trajectory"]
+        for name in ("xaxis", "yaxis"):
+            low, high = trajectory["layout"][name]["range"]
+            self.assertGreater(low, -40.0)
+            self.assertLess(high, 40.0)
+        marks = [t for t in trajectory["data"] if t["mode"] == "markers"]
+        self.assertTrue(all(t["marker"]["size"] >= 6 and len(set(t["marker"]["symbol"])) > 1 for t in marks))
+
     def test_a_diverged_run_is_named_and_does_not_set_the_scale(self):
         diverged(self.comparison["runs"][0])
         text = self.text_of_report()
         self.assertIn("ekf · dynamic_inverse_depth diverged at frame 120 (covariance <not> positive)",
                       text)
-        charts = json.loads(re.search(r'id="charts">(.*?)</script>',
-                                      (self.output / "report.html").read_text(), re.DOTALL)[1])
+        charts = self.charts()
         errors = self.comparison["runs"][1]["series"]["position_error_m"]
         top = charts["position_error"]["layout"]["yaxis"]["range"][1]
         self.assertLess(top, 3 * max(errors))

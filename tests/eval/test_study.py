@@ -1,10 +1,12 @@
 """slammot study, as a user runs it: the same bytes whether interrupted, on one thread or two, in one piece or in shards;
 and its report drawn in headless Chromium without an error.
 
-usage: test_study.py SLAMMOT
+usage: test_study.py SLAMMOT [Study | Page]
 """
 import json
+import math
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -21,8 +23,8 @@ format: slammot-study-1
 name: small
 runs: 4
 scenarios:
-  - {scenario: helix, set: {frames: 40}}
-  - {scenario: circle, label: short circle, set: {frames: 25}}
+  - {scenario: helix, set: {frames: 24}}
+  - {scenario: circle, label: short circle, set: {frames: 12}}
 estimators:
   - {estimator: ekf}
   - {estimator: window, label: window 3, set: {window.frames: 3}}
@@ -30,7 +32,14 @@ sweep: {classifier.static_threshold: [0.8, 1.6]}
 record: {tracks: [1, 2]}
 """
 FIGURES = ["camera_error", "landmark_error", "classification", "classification_against_sweep", "velocity", "trade_off",
-           "anees", "landmark_anees", "anees_by_age"]
+           "anees", "landmark_anees", "anees_by_age", "error_axes", "against_sweep:position_rmse_m", "against_sweep:anees_pose",
+           "against_sweep:frame_median_ms"]
+LATEX = """\
+latex:
+  columns: [position_rmse_m, anees_pose, frame_median_ms]
+  labels: {ekf: "EKF & co", position_rmse_m: "RMSE [m]"}
+  caption: "100% of the runs"
+"""
 
 
 def slammot(*arguments, code=0):
@@ -39,7 +48,7 @@ def slammot(*arguments, code=0):
     return done
 
 
-class Study(unittest.TestCase):
+class WithStudy(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.temporary = tempfile.TemporaryDirectory()
@@ -57,6 +66,8 @@ class Study(unittest.TestCase):
     def same(self, folder):
         self.assertEqual((folder / "results.jsonl").read_bytes(), self.expected)
 
+
+class Study(WithStudy):
     def test_every_run_is_there_once(self):
         runs = [json.loads(line) for line in self.expected.splitlines()]
         self.assertEqual([(r["cell"], r["seed"]) for r in runs], [(c, s) for c in range(8) for s in range(1, 5)])
@@ -81,12 +92,51 @@ class Study(unittest.TestCase):
             time.sleep(0.005)
         process.send_signal(signal.SIGKILL)
         process.wait()
-        before = journal.read_bytes().count(b"\n")
+        before = journal.read_bytes().count(b"\n") - 1  # the first line says what program this is
         self.assertLess(before, 32, "it was over before it could be killed")
         with journal.open("ab") as file:
             file.write(b'{"result": {"cell": 7, "se')  # as a kill in the middle of a write leaves it
         again = slammot("study", self.study, "--resume", "--output", folder)
         self.assertIn(f"{32 - before} runs done", again.stdout)
+        self.same(folder)
+
+    def test_two_processes_compute_no_run_twice(self):
+        folder = self.folder / "two"
+        command = [SLAMMOT, "study", str(self.study), "--jobs", "1", "--resume", "--output", str(folder)]
+        first = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+        journal = folder / "journal-1-of-1.jsonl"
+        while not (journal.exists() and journal.read_bytes().count(b"\n") > 1):
+            time.sleep(0.005)
+        self.assertIn("another process", slammot(*command[1:], code=2).stderr)
+        self.assertIn("another process", slammot("study", self.study, "--shard", "1/2", "--output", folder, code=2).stderr)
+        self.assertEqual(first.wait(), 0)
+        self.assertEqual(journal.read_bytes().count(b"\n"), 1 + 32)
+        self.same(folder)
+
+    def test_runs_of_another_configuration_are_refused(self):
+        mine, other, text = self.folder / "mine", self.folder / "other", self.folder / "of_other.yaml"
+        text.write_text(STUDY.replace("frames: 24", "frames: 39"), encoding="utf-8")
+        slammot("study", self.study, "--shard", "1/2", "--runs", 1, "--output", mine)
+        slammot("study", text, "--shard", "2/2", "--runs", 1, "--output", other)
+        shutil.copy(other / "journal-2-of-2.jsonl", mine)
+        for command in (["--merge"], ["--merge", "--force"], ["--resume"]):
+            said = slammot("study", self.study, "--runs", 1, "--output", mine, *command, code=2).stderr
+            self.assertIn("journal-2-of-2.jsonl:1: these runs are of another configuration", said)
+
+    def test_runs_of_another_build_are_refused(self):
+        folder = self.folder / "rebuilt"
+        slammot("study", self.study, "--runs", 1, "--output", folder)
+        journal = folder / "journal-1-of-1.jsonl"
+        lines = journal.read_text(encoding="utf-8").splitlines(keepends=True)
+        head = json.loads(lines[0])
+        head["journal"]["program"] = "0" * 64
+        journal.write_text("".join([json.dumps(head) + "\n", *lines[1:]]), encoding="utf-8")
+        self.assertIn("another build", slammot("study", self.study, "--resume", "--output", folder, code=2).stderr)
+        self.assertIn("another build", slammot("study", self.study, "--merge", "--output", folder, "--runs", 1, code=2).stderr)
+        more = slammot("study", self.study, "--resume", "--force", "--output", folder)
+        self.assertIn("24 runs done", more.stdout)
+        heads = [line for line in journal.read_text(encoding="utf-8").splitlines() if line.startswith('{"journal"')]
+        self.assertEqual(len(heads), 2)
         self.same(folder)
 
     def test_three_shards_in_folders_of_their_own(self):
@@ -109,7 +159,7 @@ class Study(unittest.TestCase):
     def test_what_is_there_is_not_overwritten(self):
         self.assertIn("--resume", slammot("study", self.study, "--output", self.whole, code=2).stderr)
         other = self.folder / "other.yaml"
-        other.write_text(STUDY.replace("frames: 40", "frames: 41"), encoding="utf-8")
+        other.write_text(STUDY.replace("frames: 24", "frames: 41"), encoding="utf-8")
         self.assertIn("another study", slammot("study", other, "--resume", "--output", self.whole, code=2).stderr)
 
     def test_report_again(self):
@@ -121,7 +171,9 @@ class Study(unittest.TestCase):
     def test_a_bad_study_is_refused_in_one_line(self):
         bad = self.folder / "bad.yaml"
         for text, reason in (("runs: 4", "runs: none"), ("record: {tracks: [1, 2]}", "figures: [camera]"),
-                             ("estimator: ekf", "estimator: kalman"), ("frames: 40", "frame_count: 40"),
+                             ("record: {tracks: [1, 2]}", "figures: ['against_sweep:rmse']"), ("record: {tracks: [1, 2]}", "latex: {columns: [rmse]}"),
+                             ("record: {tracks: [1, 2]}", "latex: {columns: []}"),
+                             ("estimator: ekf", "estimator: kalman"), ("frames: 24", "frame_count: 24"),
                              ("name: small", "nam: small"), ("window.frames: 3", "window.frame: 3"),
                              ("slammot-study-1", "slammot-study-9"), ("scenario: helix", "scenario: helicoid")):
             bad.write_text(STUDY.replace(text, reason, 1), encoding="utf-8")
@@ -130,6 +182,8 @@ class Study(unittest.TestCase):
             self.assertIn("bad.yaml", error)
             self.assertFalse((self.folder / "bad").exists())
 
+
+class Page(WithStudy):
     def opened(self, page):
         """The page's elements as headless Chromium leaves them. Its log does not tell errors from remarks: the page is made to."""
         listener = """<head><script>{
@@ -145,19 +199,131 @@ class Study(unittest.TestCase):
             return subprocess.run([*CHROMIUM, f"--user-data-dir={profile}", "--dump-dom", file.as_uri()],
                                   capture_output=True, text=True, timeout=300, check=True).stdout
 
+    def check_paper(self, latex, folder):
+        """Own labels and caption, escaped; the best of each scenario in bold."""
+        self.assertIn(r"\caption{100\% of the runs}", latex)
+        self.assertIn("RMSE [m] & ANEES pose & time per frame [ms]", latex)
+        groups = json.loads((folder / "summary.json").read_text())["groups"]
+        rows = [line for line in latex.splitlines() if "EKF" in line or "window 3" in line]
+        self.assertEqual(len(rows), 2 * len(groups))
+        for group, (ekf, window) in zip(groups, zip(rows[::2], rows[1::2])):
+            self.assertIn(r"EKF \& co", ekf)
+            a, b = (cell["filtered_position_rmse_m"]["value"] for cell in group["cells"])
+            self.assertEqual([r"\textbf" in row.split("&")[-3] for row in (ekf, window)], [a < b, b < a])
+
+    def test_verdict_and_colours(self):
+        text = (self.whole / "report.html").read_text(encoding="utf-8")
+        self.assertLess(text.index('class="verdict"'), text.index("<table"))
+        self.assertIn("Each seed is another simulation of the scenario.", text)
+        self.assertRegex(text, r"ekf is [a-z ]+( in \d of 4 scenarios)?: ANEES of the pose [\d.]+ to [\d.]+ \(6 expected\)")
+        self.assertIn("With fewer than 10 pairs of runs nothing is decided.", text)
+        cells = [cell for group in json.loads((self.whole / "summary.json").read_text())["groups"] for cell in group["cells"]]
+        over = sum(cell["anees"][part]["lower"] > dof for cell in cells for part, dof in (("pose", 6), ("position", 3)))
+        summary = text[text.index("<h2>Summary"):text.index("<h2>", text.index("<h2>Summary") + 4)]
+        self.assertEqual(summary.count('<td class="over">'), over)
+        self.assertEqual(summary.count('rowspan="2"'), 4)  # two estimators in each of four groups
+
+    def test_ranking_needs_the_ideal_covariance(self):
+        ranked = self.folder / "ranked.yaml"
+        ranked.write_text(f"{STUDY}figures: [ranking]\n", encoding="utf-8")
+        error = slammot("study", ranked, "--output", self.folder / "ranked", code=2).stderr
+        self.assertRegex(error, r"\A.*ranked\.yaml:0: .*ideal_covariance.*\n\Z")
+
+    def recorded(self):
+        """A sequence as recorded: without the truth of its points, so that its poses count as measured, and these of twice the size."""
+        sequence = self.folder / "recorded"
+        if not sequence.exists():
+            slammot("simulate", "circle", "--set", "frames=30", "--output", sequence)
+            (sequence / "landmarks.csv").unlink()
+            poses = [line.split() for line in (sequence / "groundtruth.tum").read_text().splitlines()]
+            (sequence / "groundtruth.tum").write_text("".join(
+                " ".join([pose[0], *(repr(2 * float(x)) for x in pose[1:4]), *pose[4:]]) + "\n" for pose in poses))
+        return sequence
+
+    def recorded_study(self, name, scenarios):
+        study = self.folder / f"{name}.yaml"
+        study.write_text(f"""format: slammot-study-1
+name: {name}
+runs: 3
+scenarios: [{scenarios}]
+estimators:
+  - {{estimator: ekf}}
+  - {{estimator: window, label: window 3, set: {{window.frames: 3}}}}
+  - {{estimator: window, label: window 5, set: {{window.frames: 5}}}}
+figures: [camera_error, anees, trade_off]
+""", encoding="utf-8")
+        return study
+
+    def test_a_recording_is_one_run_or_draws_of_noise(self):
+        self.recorded()
+        study = self.recorded_study("recordings", "{sequence: recorded}, {sequence: recorded, label: noisy, set: {noise: 0.5}}")
+        folder = self.folder / "recordings"
+        slammot("study", study, "--output", folder)
+        runs = [json.loads(line) for line in (folder / "results.jsonl").read_text().splitlines()]
+        self.assertEqual([(r["cell"], r["seed"]) for r in runs], [(c, 1) for c in range(3)] + [(c, s) for c in range(3, 6) for s in (1, 2, 3)])
+        noisy = [r["filtered"]["ate_sim3_m"] for r in runs if r["cell"] == 3]
+        self.assertEqual(len(set(noisy)), 3)
+        self.assertTrue(all(r["aligned"] and "nees_pose" not in r["frames"] for r in runs))
+        groups = json.loads((folder / "summary.json").read_text())["groups"]
+        self.assertEqual([g["seeds"] for g in groups], ["one run", "noise"])
+        self.assertEqual([c["runs"] for g in groups for c in g["cells"]], [1] * 3 + [3] * 3)
+        text = (folder / "report.html").read_text(encoding="utf-8")
+        self.assertIn("recorded: a recording to which no noise is added is one run", text)
+        self.assertIn("noisy: each seed is another draw of the noise", text)
+        self.assertIn("errors are after similarity alignment", text)
+        self.assertLess(text.index("ATE Sim(3) [m]"), text.index("position RMSE [m]"))
+        summary = (folder / "tables" / "summary.csv").read_text()
+        self.assertNotIn("ANEES", summary.splitlines()[0])
+        for run in json.loads((folder / "view.json").read_text())["runs"]:  # in the frame and scale of the truth
+            self.assertLess(max(math.dist(a, b) for a, b in zip(run["path"], run["truth_path"])), 0.5)
+        self.assertGreater(runs[0]["filtered"]["position_rmse_m"], 1.0)
+        self.assertAlmostEqual(runs[0]["filtered"]["sim3_scale"], 2.0, delta=0.2)
+        slammot("study", study, "--resume", "--output", folder)  # nothing is missing
+
+    def test_bad_recordings_are_refused_in_one_line(self):
+        self.recorded()
+        blind = self.folder / "blind"
+        if not blind.exists():
+            slammot("simulate", "circle", "--set", "frames=5", "--output", blind)
+            for name in ("groundtruth.tum", "landmarks.csv"):
+                (blind / name).unlink()
+        for scenarios, reason in (("{sequence: nowhere}", "nowhere"), ("{sequence: blind}", "no true poses"),
+                                  ("{sequence: recorded, scenario: circle}", "scenario"), ("{sequence: recorded, set: {frames: 3}}", "no parameter 'frames'"),
+                                  ("{sequence: recorded, set: {noise: -1}}", "noise"), ("{sequence: recorded, set: {noise: nan}}", "noise")):
+            error = slammot("study", self.recorded_study("bad_recording", scenarios), "--output", self.folder / "bad", code=2).stderr
+            self.assertRegex(error, rf"\A[^\n]*{reason}[^\n]*\n\Z")
+
+    def test_settings_of_one_estimator_in_a_comparison(self):
+        output = self.folder / "settings"
+        slammot("compare", self.recorded(), "--estimator", "window:window.frames=3", "--estimator", "window:window.frames=4,gate.probability=0.99",
+                "--estimator", "ekf", "--landmark", "dynamic_inverse_depth", "--output", output)
+        runs = json.loads((output / "compare.json").read_text())["runs"]
+        self.assertEqual([r["label"] for r in runs], ["window-window.frames=3-dynamic_inverse_depth",
+                                                      "window-window.frames=4-gate.probability=0.99-dynamic_inverse_depth", "ekf-dynamic_inverse_depth"])
+        self.assertEqual([r["configuration"]["window.frames"] for r in runs[:2]], ["3", "4"])
+        self.assertIn("window, window.frames = 3 · dynamic_inverse_depth", (output / "report.html").read_text())
+        for bad, reason in (("window:window.frame=3", "window.frames"), ("window:", "key=value"), ("windw:window.frames=3", "unknown estimator")):
+            self.assertIn(reason, slammot("compare", self.recorded(), "--estimator", bad, "--output", self.folder / "bad", code=2).stderr)
+        self.assertIn("compared with itself", slammot("compare", self.recorded(), "--estimator", "ekf", "--estimator", "ekf", "--output",
+                                                      self.folder / "bad", code=2).stderr)
+
     def test_report(self):
         drawn = self.folder / "drawn.yaml"
-        drawn.write_text(f"{STUDY}figures: [{', '.join(FIGURES)}]\n", encoding="utf-8")
+        drawn.write_text(f"{STUDY}figures: [{', '.join(FIGURES)}]\n{LATEX}", encoding="utf-8")
         folder = self.folder / "drawn"
         slammot("study", drawn, "--runs", 2, "--output", folder)
         for name in FIGURES:
             for ending in ("pdf", "png"):
-                self.assertGreater((folder / "figures" / f"{name}.{ending}").stat().st_size, 5000)
+                self.assertGreater((folder / "figures" / f"{name.replace(':', '_')}.{ending}").stat().st_size, 5000)
         for name in ("summary", "consistency", "classification", "pairs", "metrics", "coverage"):
             lines = (folder / "tables" / f"{name}.csv").read_text(encoding="utf-8").splitlines()
             self.assertGreater(len(lines), 4)
             self.assertNotIn("nan", "".join(lines).lower().replace("anees", ""))
-            self.assertIn(r"\begin{tabular}", (folder / "tables" / f"{name}.tex").read_text(encoding="utf-8"))
+            latex = (folder / "tables" / f"{name}.tex").read_text(encoding="utf-8")
+            for part in (r"\begin{tabular}", r"\toprule", r"\midrule", r"\bottomrule"):
+                self.assertIn(part, latex)
+            self.assertNotIn(r"\hline", latex)
+        self.check_paper((folder / "tables" / "paper.tex").read_text(encoding="utf-8"), folder)
         page = (folder / "report.html").read_text(encoding="utf-8")
         dom = self.opened(page)
         self.assertNotIn("data-console-errors", dom)

@@ -21,7 +21,7 @@ TEST(ExtendingEstimator, IsDrivenAndJudged) {
   const auto setup = make_setup(sequence, configuration);
   const std::unique_ptr<Estimator> estimator = kDeadReckoning.make(setup, configuration);
   const RunResult run = drive(sequence, *estimator);
-  const RunMetrics metrics = compute_metrics(sequence, run, configuration.model.gate_probability);
+  const RunMetrics metrics = compute_metrics(sequence, run, configuration.model.gate.probability);
   // [end]
   ASSERT_FALSE(run.diverged);
   ASSERT_EQ(run.filtered.size(), 5u);

@@ -33,7 +33,7 @@ Judged judged(const EstimatorRow& row, const Sequence& sequence, Configuration c
   for (KnownLandmark& known : setup.known) known.position += origin;
   const auto estimator = row.make(setup, configuration);
   Judged result{drive(sequence, *estimator), {}};
-  result.metrics = compute_metrics(sequence, result.run, configuration.model.gate_probability);
+  result.metrics = compute_metrics(sequence, result.run, configuration.model.gate.probability);
   return result;
 }
 
@@ -82,7 +82,7 @@ class ThirdFamilyUndecided : public testing::Test {
     configuration_.model.classifier.name = "truth";
     configuration_.model.labels.rule = LabelRule::kOneWay;
     configuration_.model.labels.first_frame = FirstFrameLabels::kStatic;
-    configuration_.model.gate_probability = 0.999999;
+    configuration_.model.gate = {0.999999, 1.0};
   }
 
   RunResult run(const EstimatorRow& row) const {
@@ -135,6 +135,8 @@ TEST(ThirdFamily, LabelsAsTheEkfDoes) {
     Configuration configuration = quick();
     configuration.model.collapse = collapse;
     configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
+    configuration.model.classifier.name = "thesis";
+    configuration.model.gate.given_others = 1.0;
     const RunResult ekf = judged(find_estimator("ekf"), sequence, configuration).run;
     const RunResult ukf = judged(kUnscented, sequence, configuration).run;
     EXPECT_LT(largest_difference(ekf, ukf), 1.0);

@@ -85,9 +85,9 @@ class Unscented final : public Belief {
     insert(known.track, here.y, -here.J_y_position, root * root.transpose());
   }
 
-  void innovations(std::span<const Observation> measured,
-                   std::vector<PixelInnovation>& result) override {
-    result.clear();
+  void innovations(std::span<const Observation> measured, FrameInnovation& result) override {
+    result.z.clear();
+    result.nu.clear();
     pixels_.clear();
     for (const Observation& z : measured) {
       const Landmark& l = landmarks_.at(z.track);
@@ -95,8 +95,12 @@ class Unscented final : public Belief {
       const Linearised h = pixel(rows);
       if (!h.mean.allFinite()) continue;
       pixels_.push_back({z, z.pixel - h.mean, rows, h.A, h.cov_e});
-      result.push_back({z, z.pixel - h.mean, h.A * P_(rows, rows) * h.A.transpose() + h.cov_e});
+      result.z.push_back(z);
+      result.nu.push_back(pixels_.back().nu);
     }
+    stack();
+    result.HPHt.resize(S_.rows(), S_.cols());
+    *result.HPHt = S_;
   }
 
   void update(const TrackRecords& /*records*/, std::span<const Observation> accepted,
@@ -104,19 +108,9 @@ class Unscented final : public Belief {
     std::erase_if(pixels_, [&](const Pixel& pixel) {
       return std::ranges::find(accepted, pixel.z.track, &Observation::track) == accepted.end();
     });
-    const Eigen::Index m = 2 * std::ssize(pixels_);
-    MatrixXd H = MatrixXd::Zero(m, x_.size());
-    S_ = setup_.pixel_sigma * setup_.pixel_sigma * MatrixXd::Identity(m, m);
-    nu_.resize(m);
-    for (Eigen::Index i = 0; i < m; i += 2) {
-      const Pixel& pixel = pixels_[static_cast<std::size_t>(i / 2)];
-      H(Eigen::seqN(i, 2), pixel.rows) = pixel.H;
-      S_.block<2, 2>(i, i) += pixel.cov_e;
-      nu_.segment<2>(i) = pixel.nu;
-    }
-    const MatrixXd P_Ht = P_ * H.transpose();
-    S_ += H * P_Ht;
-    correct(P_Ht, S_, nu_);
+    stack();
+    S_.diagonal().array() += setup_.pixel_sigma * setup_.pixel_sigma;
+    correct(P_Ht_, S_, nu_);
   }
 
   // With a = S^-1 nu and B = S^-1 it is a_i' B_ii^-1 a_i (docs/mathematics.md).
@@ -225,6 +219,22 @@ class Unscented final : public Belief {
     Eigen::Matrix2d cov_e;
   };
 
+  // nu, P H' and S without the pixels' noise, of all that is in pixels_.
+  void stack() {
+    const Eigen::Index m = 2 * std::ssize(pixels_);
+    MatrixXd H = MatrixXd::Zero(m, x_.size());
+    S_ = MatrixXd::Zero(m, m);
+    nu_.resize(m);
+    for (Eigen::Index i = 0; i < m; i += 2) {
+      const Pixel& pixel = pixels_[static_cast<std::size_t>(i / 2)];
+      H(Eigen::seqN(i, 2), pixel.rows) = pixel.H;
+      S_.block<2, 2>(i, i) += pixel.cov_e;
+      nu_.segment<2>(i) = pixel.nu;
+    }
+    P_Ht_ = P_ * H.transpose();
+    S_ += H * P_Ht_;
+  }
+
   void predict_landmark(const Rows& rows, double dt) {
     const LandmarkVector before = x_(rows), after = functions_.predict(before, dt);
     const MatrixXd G = functions_.noise_root(after, setup_.prior, dt);
@@ -331,7 +341,7 @@ class Unscented final : public Belief {
   MatrixXd P_;
   std::map<int, Landmark> landmarks_;  // by track
   std::vector<Pixel> pixels_;          // of this frame; used by the update, once there was one
-  MatrixXd S_;
+  MatrixXd P_Ht_, S_;
   VectorXd nu_;
 };
 

@@ -84,6 +84,14 @@ struct Case {
   double mean_sigma = 0.0;
 };
 
+std::string name_of(const Case& c) {
+  return c.landmark + "_" + c.collapse + "_" + c.linearisation +
+         (c.iterations > 1 ? "_iterated" : "") + (c.delayed ? "_delayed" : "") +
+         (c.mean_sigma > 0.0 ? "_scene" : "");
+}
+
+void PrintTo(const Case& c, std::ostream* out) { *out << name_of(c); }
+
 // An EKF in its frame loop, with its state to look at.
 struct Driven {
   Driven(const slammot::Setup& setup, const ModelOptions& models, const EkfOptions& options)
@@ -168,13 +176,7 @@ INSTANTIATE_TEST_SUITE_P(Filters, DeferredCase,
                                          Case{"scaled_velocity", "drop", "standard", 1, true},
                                          Case{"scaled_velocity", "drop", "standard", 1, false,
                                               0.02}),
-                         [](const auto& tested) {
-                           const Case& c = tested.param;
-                           return c.landmark + "_" + c.collapse + "_" + c.linearisation +
-                                  (c.iterations > 1 ? "_iterated" : "") +
-                                  (c.delayed ? "_delayed" : "") +
-                                  (c.mean_sigma > 0.0 ? "_scene" : "");
-                         });
+                         [](const auto& tested) { return name_of(tested.param); });
 
 TEST(Deferred, IsRefusedWhereFarRowsChangeOtherwise) {
   const Sequence sequence = simulate("circle", {{"frames", "3"}}, 1);

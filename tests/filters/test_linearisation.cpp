@@ -17,6 +17,7 @@ double dependence_on_noise(const std::string& linearisation) {
   assign(configuration, {"landmark", "dynamic_inverse_depth"});
   assign(configuration, {"ekf.linearisation", linearisation});
   assign(configuration, {"gate.probability", "0.999999999999"});
+  assign(configuration, {"gate.given_others", "1"});
   assign(configuration, {"prior.source", "fixed"});  // what is learnt is of the measurements
   const auto last = [&](unsigned seed) {
     const RunResult run =
@@ -79,7 +80,7 @@ TEST(IdealCovariance, DoesNotDependOnTheMeasurements) {
     const Sequence sequence = simulate("circle", {{"frames", "80"}, {"noise", noise}}, 3);
     const RunResult result = run_estimator(sequence, configuration, "ideal_covariance");
     const Configuration used = effective_configuration(sequence, configuration, "ideal_covariance");
-    EXPECT_EQ(compute_metrics(sequence, result, used.model.gate_probability).nis.expected, 2.0);
+    EXPECT_EQ(compute_metrics(sequence, result, used.model.gate.probability).nis.expected, 2.0);
     return result;
   };
   const RunResult quiet = run("0.1"), noisy = run("1.5");

@@ -118,21 +118,18 @@ TEST(Update, IsTheTextbookUpdate) {
   EXPECT_LT(boxminus(state.camera, expected).norm(), 1e-12);
 }
 
-TEST(Covariances, AreThoseOfEachMeasurementOnItsOwn) {
+TEST(JointCovariance, OfAllPixelsIsHPHt) {
   JointState state = scene(1);
   const auto matches = pixels_of(state, 2);
   Innovation z;
   linearise(state, kStandard, pinhole(), matches, z);
   const Eigen::MatrixXd H = dense_H(state, z);
   const Eigen::MatrixXd HPHt = H * state.covariance.dense() * H.transpose();
-  std::vector<PixelInnovation> each;
-  covariances(state, z, each);
-  ASSERT_EQ(each.size(), 4u);
-  for (std::size_t i = 0; i < each.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(2 * i);
-    EXPECT_EQ(each[i].z.track, matches[i].track);
-    EXPECT_LT((each[i].HPHt - HPHt.block<2, 2>(at, at)).norm(), 1e-12 * HPHt.norm());
-  }
+  GrowingMatrix result;
+  fill_HPHt(state, z, result);
+  ASSERT_EQ((*result).rows(), 8);
+  const Eigen::MatrixXd both = (*result).selfadjointView<Eigen::Lower>();
+  EXPECT_LT((both - HPHt).norm(), 1e-12 * HPHt.norm());
 }
 
 TEST(Keep, LeavesTheInnovationOfWhatWasAccepted) {

@@ -56,8 +56,8 @@ class Images : public ::testing::Test {
   Path image(int i) const { return sequence() / name(i); }
 
   int track(const std::string& more = "") {
-    return slammot("track '" + sequence().string() + "' --output '" + output().string() + "' " +
-                   more);
+    return slammot("track '" + sequence().string() + "' --output '" + output().string() +
+                   "' --force " + more);
   }
   int slammot(const std::string& arguments) {
     const std::string command = std::string("'") + test::kBinary + "' " + arguments + " >'" +
@@ -216,7 +216,7 @@ TEST_F(Images, VelocityOfATruthThatIsNotThere) {
 
 TEST_F(Images, ARunIsDrawnOverThem) {
   ASSERT_EQ(track(), 0);
-  const std::string run = "run '" + output().string() + "' --estimator ekf --output '" +
+  const std::string run = "run '" + output().string() + "' --estimator ekf --force --output '" +
                           (folder_.path() / "run").string() + "' --set labels.first_frame=static ";
   const std::string draw = "draw '" + (folder_.path() / "run").string() + "'";
   ASSERT_EQ(slammot(run), 0) << error_;

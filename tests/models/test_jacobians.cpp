@@ -132,6 +132,12 @@ TEST_P(ObservationJacobians, InitialisationInvertsObservation) {
   }
 }
 
+}  // namespace
+
+void PrintTo(const Camera& camera, std::ostream* out) { *out << lens_name(camera.lens); }
+
+namespace {
+
 INSTANTIATE_TEST_SUITE_P(Lenses, ObservationJacobians,
                          testing::Values(camera_with("pinhole", {}),
                                          camera_with("radtan", {-0.2967, 0.0809, 1e-3, -2e-3}),

@@ -63,7 +63,7 @@ class PythonEstimator(unittest.TestCase):
 
     def run_mine(self, fault, *words, name="Mine", text=SCRIPT):
         return program("run", self.sequence.folder, "--estimator", f"python:{self.script(fault, text)}:{name}",
-                       "--output", self.folder / "run", *words)
+                       "--output", self.folder / "run", "--force", *words)
 
     def test_numbers_cross_unchanged(self):
         """The harness judges what the script computes alone, to the last digit."""
@@ -108,6 +108,34 @@ class PythonEstimator(unittest.TestCase):
         page = (out / "report.html").read_text(encoding="utf-8")
         self.assertRegex(page, r"DeadReckoning is (not )?(the most accurate|conservative|consistent|overconfident)")
         self.assertNotIn("DeadReckoning · -", page)
+
+    def test_compare_with_settings_of_its_own(self):
+        out = self.folder / "settings"
+        name = f"python:{EXAMPLES}:KnownPoints"
+        done = program("compare", self.sequence.folder, "--estimator", f"{name}:gate.probability=0.5", "--estimator", name,
+                       "--output", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        runs = json.loads((out / "compare.json").read_text(encoding="utf-8"))["runs"]
+        self.assertEqual([run["label"] for run in runs], ["KnownPoints-gate.probability=0.5", "KnownPoints"])
+        accepted = [run["metrics"]["counts"]["accepted"] for run in runs]
+        self.assertLess(accepted[0], accepted[1])
+
+    def test_a_stored_run_is_judged_again(self):
+        out = self.folder / "stored"
+        slammot.run(self.sequence.folder, f"python:{EXAMPLES}:KnownPoints", out)
+        done = program("evaluate", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("dynamic_inverse_depth", done.stdout)
+        done = program("report", out, "--output", self.folder / "judged")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        content = json.loads((self.folder / "judged" / "compare.json").read_text(encoding="utf-8"))
+        self.assertEqual(content["runs"][0]["landmark"], "-")
+        self.assertIn("commit", content["provenance"])
+
+    def test_what_is_not_reported_is_no_warning(self):
+        done = self.run_mine("pass")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("warning: from frame", done.stderr)
 
     def test_study_on_two_threads_has_the_same_numbers(self):
         study = self.folder / "study.yaml"
@@ -190,10 +218,10 @@ class Mine(slammot.Estimator):
 
     def test_a_run_that_diverged_is_returned_and_one_that_never_began_is_not(self):
         out = self.folder / "run"
-        run = slammot.run(self.sequence.folder, f"python:{self.script('raise slammot.Diverged')}:Mine", out)
+        run = slammot.run(self.sequence.folder, f"python:{self.script('raise slammot.Diverged')}:Mine", out, force=True)
         self.assertEqual((len(run.trajectory), run.metrics["diverged"]), (1, True))
         with self.assertRaisesRegex(RuntimeError, "^slammot: .*no class Nobody"):
-            slammot.run(self.sequence.folder, f"python:{self.script()}:Nobody", out)
+            slammot.run(self.sequence.folder, f"python:{self.script()}:Nobody", out, force=True)
 
     def test_a_script_that_cannot_begin_is_refused_in_one_line(self):
         for name, text, reason in (("Mine", SCRIPT + "\n)", r"mine\.py:\d+: unmatched '\)'"),

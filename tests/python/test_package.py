@@ -85,6 +85,19 @@ class Package(unittest.TestCase):
         self.assertAlmostEqual(np.sqrt((error ** 2).sum(axis=1).mean()),
                                run.metrics["filtered"]["accuracy"]["position_rmse_m"], delta=1e-14)
 
+    def test_an_earlier_output_is_replaced_by_force_alone(self):
+        out = self.folder / "twice"
+        first = slammot.simulate("helix", seed=1, output=out, frames=5)
+        with self.assertRaisesRegex(RuntimeError, "holds a sequence already"):
+            slammot.simulate("helix", seed=2, output=out, frames=5)
+        self.assertTrue(first.observations.equals(slammot.read_sequence(out).observations))
+        second = slammot.simulate("helix", seed=2, output=out, force=True, frames=5)
+        self.assertFalse(first.observations.equals(second.observations))
+        slammot.run(out, "ekf", self.folder / "run twice")
+        with self.assertRaisesRegex(RuntimeError, "holds a run already"):
+            slammot.run(out, "ekf", self.folder / "run twice")
+        slammot.run(out, "ekf", self.folder / "run twice", force=True)
+
     def test_a_trajectory_alone_is_a_run(self):
         folder = self.folder / "foreign"
         folder.mkdir()

@@ -16,6 +16,7 @@ Matrix12d last_covariance(const std::string& linearisation, unsigned seed) {
   assign(configuration, {"window.linearisation", linearisation});
   assign(configuration, {"window.frames", "5"});
   assign(configuration, {"gate.probability", "0.999999999999"});
+  assign(configuration, {"gate.given_others", "1"});
   assign(configuration, {"prior.source", "fixed"});
   assign(configuration, {"classifier", "truth"});
   assign(configuration, {"labels", "one_way"});

@@ -17,7 +17,7 @@ class WindowRun {
     Configuration configuration;
     configuration.window.frames = 10;
     configuration.window.retest = retest;
-    configuration.model.gate_probability = gate_probability;
+    configuration.model.gate = {gate_probability, 1.0};
     const Setup setup = make_setup(sequence, configuration);
     const auto make = [=, this] {
       auto window = std::make_unique<Window>(setup, configuration.model, configuration.window);

@@ -6,8 +6,9 @@
 #include <fstream>
 #include <functional>
 
+#include "datasets/output/output_files.h"
+#include "eval/pooling/estimate_json.h"
 #include "eval/statistics/statistics.h"
-#include "eval/study/study_json.h"
 
 namespace slammot {
 namespace {
@@ -91,9 +92,14 @@ void add_labels(std::vector<Column>& columns) {
   }
 }
 
+// A scenario's name, or a recorded sequence's folder.
+std::string scene_of(const StudyCell& cell) {
+  return cell.sequence.empty() ? cell.scenario : cell.sequence.string();
+}
+
 std::vector<Column> columns_of(const Study& study) {
   std::vector<Column> columns = {
-      {"scenario", [](const Run& r) { return quoted(r.cell.scenario); }},
+      {"scenario", [](const Run& r) { return quoted(scene_of(r.cell)); }},
       {"group", [](const Run& r) { return quoted(r.cell.group); }},
       {"estimator", [](const Run& r) { return quoted(r.cell.estimator); }},
       {"label", [](const Run& r) { return quoted(r.cell.label); }}};
@@ -132,15 +138,10 @@ const StudyCell& cell_of(const Study& study, const Json& result, const std::file
   return study.cells[cell.get<std::size_t>()];
 }
 
-}  // namespace
-
-void write_runs_table(const Study& study, const std::filesystem::path& folder) {
+void write_rows(const Study& study, const std::filesystem::path& folder, std::ostream& out) {
   const std::filesystem::path results_file = folder / "results.jsonl",
                               timing_file = folder / "timing.jsonl";
   std::ifstream results(results_file), timing(timing_file);
-  std::ofstream out;
-  out.exceptions(std::ios::badbit | std::ios::failbit);
-  out.open(folder / "runs.csv");
   const std::vector<Column> columns = columns_of(study);
   std::vector<std::string> fields;
   for (const Column& column : columns) fields.push_back(quoted(column.name));
@@ -154,6 +155,12 @@ void write_runs_table(const Study& study, const std::filesystem::path& folder) {
     for (const Column& column : columns) fields.push_back(column.field(run));
     out << fmt::format("{}\n", fmt::join(fields, ","));
   }
+}
+
+}  // namespace
+
+void write_runs_table(const Study& study, const std::filesystem::path& folder) {
+  write_file(folder / "runs.csv", [&](std::ostream& out) { write_rows(study, folder, out); });
 }
 
 }  // namespace slammot

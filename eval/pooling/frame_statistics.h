@@ -11,13 +11,19 @@
 #include <string>
 #include <vector>
 
+#include "eval/metrics/pose_pairs.h"
 #include "eval/statistics/bootstrap.h"
 
 namespace slammot {
 
+// Per frame: errors, NEES (after the first frame, whose covariance is a pin) and the standard
+// deviations that the estimator states, the roots of the traces.
+nlohmann::ordered_json frames_json(const std::vector<PosePair>& pairs);
+
 class FrameStatistics {
  public:
-  // `frames` or `smoothed_frames` of one run (docs/formats.md).
+  // `frames` or `smoothed_frames` of one run (docs/formats.md); without NEES where truth is
+  // measured.
   void add(const nlohmann::ordered_json& frames);
 
   bool empty() const { return frames_.empty(); }
@@ -25,7 +31,8 @@ class FrameStatistics {
   // Arrays over the frames.
   nlohmann::ordered_json per_frame() const;
 
-  // Of each part: mean over the frames, largest of a frame, share of frames `inside` it.
+  // Of each part: mean over the frames, of the camera's with its 95% bootstrap interval over runs;
+  // largest of a frame, share of frames `inside` it.
   nlohmann::ordered_json anees() const;
 
  private:
@@ -44,7 +51,8 @@ class FrameStatistics {
   Anees camera_part(const std::string& part, int dof) const;
   Anees landmark_part(const std::string& part) const;
 
-  std::map<int, Frame> frames_;  // by Frame::index
+  std::map<int, Frame> frames_;                           // by Frame::index
+  std::map<std::string, std::vector<double>> run_means_;  // of the camera's NEES, by part
 };
 
 }  // namespace slammot

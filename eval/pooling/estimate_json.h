@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "estimation/estimator.h"
+#include "eval/metrics/metric.h"
 #include "eval/statistics/bootstrap.h"
+#include "eval/statistics/statistics.h"
 
 namespace slammot {
 
@@ -16,6 +18,11 @@ inline double number(const nlohmann::ordered_json& json) {
 
 inline nlohmann::ordered_json json_of(const Estimate& e) {
   return {{"value", e.value}, {"lower", e.lower}, {"upper", e.upper}, {"runs", e.samples}};
+}
+
+// The runs' values of a metric put together, as its row says.
+inline Estimate pool(const std::vector<double>& samples, Pooled how) {
+  return bootstrap(samples, how == Pooled::kRootMeanSquare ? root_mean_square : mean);
 }
 
 // Sum and count of a mean NEES over `count` samples. One that is null over some samples was

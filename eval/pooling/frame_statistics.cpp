@@ -1,10 +1,12 @@
-#include "eval/study/study_frames.h"
+#include "eval/pooling/frame_statistics.h"
 
 #include <cmath>
 
+#include "eval/metrics/accuracy.h"
+#include "eval/metrics/nees.h"
+#include "eval/pooling/estimate_json.h"
 #include "eval/statistics/chi_square.h"
 #include "eval/statistics/statistics.h"
-#include "eval/study/study_json.h"
 
 namespace slammot {
 
@@ -14,6 +16,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSampled[] = {"position_error_m", "rotation_error_deg", "nees_pose",
                                     "nees_position",    "nees_rotation",      "position_sigma_m"};
+struct CameraPart {
+  const char* name;
+  int dof;
+};
+constexpr CameraPart kCameraParts[] = {{"pose", 6}, {"position", 3}, {"rotation", 3}};
 constexpr const char* kLandmarkParts[] = {"landmark_position", "landmark_velocity"};
 
 // A NEES that is not finite belongs to a covariance that is not positive definite.
@@ -37,11 +44,45 @@ class Rows {
 
 }  // namespace
 
+Json frames_json(const std::vector<PosePair>& pairs) {
+  Json json;
+  std::vector<int> frame;
+  std::vector<double> position, rotation, nees_pose, nees_position, nees_rotation, position_sigma;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    const PosePair& p = pairs[i];
+    const PoseNees nees = pose_nees(p);
+    frame.push_back(p.frame);
+    position.push_back(position_error(p));
+    rotation.push_back(rotation_error_deg(p));
+    nees_pose.push_back(nees.pose);
+    nees_position.push_back(nees.position);
+    nees_rotation.push_back(nees.rotation);
+    position_sigma.push_back(std::sqrt(p.estimate.covariance.topLeftCorner<3, 3>().trace()));
+  }
+  json["frame"] = frame;
+  json["position_error_m"] = position;
+  json["rotation_error_deg"] = rotation;
+  json["nees_pose"] = nees_pose;
+  json["nees_position"] = nees_position;
+  json["nees_rotation"] = nees_rotation;
+  json["position_sigma_m"] = position_sigma;
+  return json;
+}
+
 void FrameStatistics::add(const Json& frames) {
+  for (const CameraPart& part : kCameraParts) {
+    const std::string key = std::string("nees_") + part.name;
+    if (!frames.contains(key) || frames.at(key).empty()) continue;
+    std::vector<double> samples;
+    for (const Json& x : frames.at(key)) samples.push_back(finite_or_infinite(number(x)));
+    run_means_[part.name].push_back(mean(samples));
+  }
   const Json& index = frames.at("frame");
   for (std::size_t i = 0; i < index.size(); ++i) {
     Frame& frame = frames_[index[i].get<int>()];
-    for (const char* what : kSampled) frame.samples[what].push_back(number(frames.at(what)[i]));
+    for (const char* what : kSampled) {
+      if (frames.contains(what)) frame.samples[what].push_back(number(frames.at(what)[i]));
+    }
     for (const std::string part : kLandmarkParts) {
       if (!frames.contains("nees_" + part)) continue;  // smoothed cameras have no landmarks
       frame.landmark_nees[part].push_back(
@@ -80,8 +121,10 @@ FrameStatistics::Anees FrameStatistics::landmark_part(const std::string& part) c
 }
 
 std::vector<FrameStatistics::Anees> FrameStatistics::parts() const {
-  std::vector<Anees> all{camera_part("pose", 6), camera_part("position", 3),
-                         camera_part("rotation", 3)};
+  std::vector<Anees> all;
+  for (const CameraPart& part : kCameraParts) {
+    if (run_means_.contains(part.name)) all.push_back(camera_part(part.name, part.dof));
+  }
   for (const char* part : kLandmarkParts) {
     if (frames_.begin()->second.landmark_nees.contains(part)) all.push_back(landmark_part(part));
   }
@@ -105,6 +148,11 @@ Json FrameStatistics::anees() const {
                        {"largest", maximum(defined)},
                        {"inside", covered / static_cast<double>(defined.size())},
                        {"infinite", infinite}};
+    const auto runs = run_means_.find(part.part);
+    if (runs == run_means_.end()) continue;
+    const Estimate estimate = bootstrap(runs->second, mean);
+    json[part.part]["lower"] = estimate.lower;
+    json[part.part]["upper"] = estimate.upper;
   }
   return json;
 }

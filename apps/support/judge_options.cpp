@@ -1,0 +1,75 @@
+#include "apps/support/judge_options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace slammot {
+
+void add_judge_options(CLI::App& command, JudgeArguments& arguments) {
+  command
+      .add_option("--against", arguments.against,
+                  "the sequence with the truth: one for all runs, or one for each in their order; "
+                  "without it, that of run.yaml")
+      ->type_name("SEQUENCE")
+      ->allow_extra_args(false);
+  command
+      .add_option("--error-convention", arguments.convention,
+                  "of a pose_covariance.csv made elsewhere: position-first|rotation-first, "
+                  "right|left, global|local|spatial (docs/judge.md)")
+      ->type_name("ORDER,ROTATION,POSITION")
+      ->capture_default_str();
+  command
+      .add_option("--time-offset", arguments.time_offset,
+                  "added to the times of runs made elsewhere")
+      ->type_name("SECONDS");
+  command
+      .add_option("--max-difference", arguments.max_difference,
+                  "between a pose made elsewhere and its frame; without it, half a frame")
+      ->type_name("SECONDS")
+      ->check(CLI::PositiveNumber);
+  command.add_flag("--force", arguments.force,
+                   "judge a run against another sequence than the one it was made from");
+}
+
+namespace {
+
+// An option that changes nothing was meant to change something.
+void refuse_idle_options(const JudgeArguments& arguments, const std::vector<JudgedRun>& runs) {
+  const bool stated = arguments.convention != JudgeArguments{}.convention ||
+                      arguments.time_offset != 0.0 || arguments.max_difference > 0.0;
+  const bool all_own = std::ranges::all_of(runs, [](const auto& run) { return run.stored.own; });
+  if (stated && all_own) {
+    throw std::invalid_argument(
+        "--error-convention, --time-offset and --max-difference are for runs made elsewhere: all "
+        "of these are slammot's own");
+  }
+}
+
+}  // namespace
+
+std::vector<JudgedRun> judged(const JudgeArguments& arguments) {
+  const std::size_t sequences = arguments.against.size();
+  if (sequences > 1 && sequences != arguments.runs.size()) {
+    throw std::invalid_argument("--against: one sequence for all runs, or one for each");
+  }
+  if (!std::isfinite(arguments.time_offset)) throw std::invalid_argument("--time-offset");
+  JudgeOptions options;
+  options.foreign.convention = parse_error_convention(arguments.convention);
+  options.foreign.times.offset = arguments.time_offset;
+  if (arguments.max_difference > 0.0) {
+    options.foreign.times.max_difference = arguments.max_difference;
+  }
+  options.force = arguments.force;
+  Judge judge(options);
+  std::vector<JudgedRun> runs;
+  for (std::size_t i = 0; i < arguments.runs.size(); ++i) {
+    std::optional<std::filesystem::path> against;
+    if (sequences > 0) against = arguments.against[sequences == 1 ? 0 : i];
+    runs.push_back(judge(arguments.runs[i], against));
+  }
+  refuse_idle_options(arguments, runs);
+  return runs;
+}
+
+}  // namespace slammot

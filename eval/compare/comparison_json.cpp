@@ -1,0 +1,58 @@
+#include "eval/compare/comparison_json.h"
+
+#include "eval/compare/series.h"
+#include "eval/provenance/provenance.h"
+
+namespace slammot {
+namespace {
+
+void erase_series(Json& trajectory) {
+  if (trajectory.is_object() && trajectory["nees"].is_object()) trajectory["nees"].erase("series");
+}
+
+}  // namespace
+
+Json sequence_json(const Sequence& sequence, std::optional<std::uint64_t> seed) {
+  return {{"name", sequence.name},
+          {"path", sequence.folder.string()},
+          {"sha256", sequence.sha256},
+          {"seed", seed ? Json(*seed) : Json()},
+          {"frames", sequence.frames.size()},
+          {"exact_truth", sequence.exact_truth},
+          {"width", sequence.camera.width},
+          {"height", sequence.camera.height},
+          {"pixel_sigma", sequence.pixel_sigma}};
+}
+
+Json run_json(const Sequence& sequence, const ComparedEntry& entry, const RunResult& run,
+              const RunMetrics& metrics) {
+  Json json = {{"label", entry.label},   {"estimator", entry.estimator}, {"kind", entry.kind},
+               {"oracle", entry.oracle}, {"landmark", entry.landmark},   {"folder", entry.label}};
+  json["overrides"] = Json::object();
+  for (const auto& [key, value] : entry.overrides) json["overrides"][key] = value;
+  json["configuration"] = Json::object();
+  for (const auto& [key, value] : entry.configuration) json["configuration"][key] = value;
+  json["metrics"] = metrics_json(metrics);
+  erase_series(json["metrics"]["filtered"]);
+  erase_series(json["metrics"]["smoothed"]);
+  json["series"] = filtered_series(sequence, run, metrics.filtered);
+  json["smoothed_series"] =
+      metrics.smoothed ? smoothed_series(sequence, run, *metrics.smoothed) : Json();
+  return json;
+}
+
+Json comparison_json(const std::string& command, const Sequence& sequence,
+                     std::optional<std::uint64_t> seed, const MetricTable& metrics) {
+  return {{"format", "slammot-compare-1"},
+          {"version", SLAMMOT_VERSION},
+          {"command", command},
+          {"provenance", json_of(provenance())},
+          {"sequence", sequence_json(sequence, seed)},
+          {"truth", truth_json(sequence)},
+          {"metrics", metric_table_json(metrics)},
+          {"estimators", Json::array()},
+          {"pairs", Json::array()},
+          {"runs", Json::array()}};
+}
+
+}  // namespace slammot

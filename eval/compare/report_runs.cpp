@@ -1,0 +1,128 @@
+#include "eval/compare/report_runs.h"
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <stdexcept>
+
+#include "eval/compare/comparison_json.h"
+#include "eval/compare/pooled.h"
+#include "eval/configuration/registry.h"
+#include "eval/output/run_files.h"
+#include "eval/output/run_writer.h"
+
+namespace slammot {
+namespace {
+
+using Path = std::filesystem::path;
+
+// The names of the runs; those that several have get the name of their folder before them, or a
+// number.
+std::vector<std::string> labels_of(const std::vector<JudgedRun>& runs) {
+  std::vector<std::string> labels;
+  std::map<std::string, int> uses;
+  for (const JudgedRun& run : runs) ++uses[labels.emplace_back(run_name(run.path))];
+  std::set<std::string> taken;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const std::string name = labels[i];
+    if (uses[name] > 1) {
+      labels[i] = run_name(std::filesystem::absolute(runs[i].path) / "..") + "-" + name;
+    }
+    const std::string base = labels[i];
+    for (int n = 2; !taken.insert(labels[i]).second; ++n) {
+      labels[i] = base + "-" + std::to_string(n);
+    }
+  }
+  return labels;
+}
+
+bool same_settings(const JudgedRun& a, const JudgedRun& b) {
+  return a.stored.configuration == b.stored.configuration;
+}
+
+// Runs of one estimator with the same configuration are pooled. A second configuration of an
+// estimator is called after its first run.
+std::vector<std::string> names_of(const std::vector<JudgedRun>& runs,
+                                  const std::vector<std::string>& labels) {
+  std::map<std::string, std::vector<std::size_t>> configurations;  // first run of each
+  std::vector<std::size_t> first_of(runs.size());
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    std::vector<std::size_t>& known = configurations[runs[i].estimator];
+    const auto same =
+        std::ranges::find_if(known, [&](std::size_t k) { return same_settings(runs[k], runs[i]); });
+    first_of[i] = same == known.end() ? known.emplace_back(i) : *same;
+  }
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const bool several = configurations[runs[i].estimator].size() > 1;
+    names.push_back(several ? runs[i].estimator + " " + labels[first_of[i]] : runs[i].estimator);
+  }
+  return names;
+}
+
+ComparedEntry entry_of(const JudgedRun& run, const std::string& label) {
+  ComparedEntry entry{label, run.estimator, "foreign", false, run.stored.landmark, {}, {}};
+  entry.configuration.assign(run.stored.configuration.begin(), run.stored.configuration.end());
+  for (const EstimatorRow& row : estimator_table()) {
+    if (!run.stored.own || row.name != run.estimator) continue;
+    entry.kind = to_string(row.kind);
+    entry.oracle = row.oracle;
+  }
+  return entry;
+}
+
+void require_room(const JudgedRun& run, const Path& folder) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(run.path, folder, ignored)) {
+    throw std::invalid_argument("--output would write over the run " + run.path.string());
+  }
+}
+
+void write_description(const JudgedRun& run, const Path& folder) {
+  const Path file = folder / run_files::kDescription;
+  if (run.stored.own) {
+    std::filesystem::copy_file(run.path / run_files::kDescription, file,
+                               std::filesystem::copy_options::overwrite_existing);
+    return;
+  }
+  // JSON is YAML, and quotes whatever a name may hold.
+  std::ofstream(file) << "format: " << run_files::kFormat
+                      << "\nestimator: " << Json(run.estimator).dump()
+                      << "\nsequence:\n  name: " << Json(run.sequence->name).dump() << "\n  path: "
+                      << Json(std::filesystem::absolute(run.sequence->folder).string()).dump()
+                      << "\n  sha256: " << Json(run.sequence->sha256).dump() << "\n";
+}
+
+}  // namespace
+
+Json report_runs(const std::vector<JudgedRun>& runs, const Path& output,
+                 const std::string& command) {
+  const Sequence& first = *runs.front().sequence;
+  const std::vector<std::string> labels = labels_of(runs), names = names_of(runs, labels);
+  std::set<std::string> sequences;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    require_room(runs[i], output / labels[i]);
+    sequences.insert(runs[i].sequence->sha256);
+    if (runs[i].sequence->exact_truth != first.exact_truth) {
+      throw std::invalid_argument("the truth of some sequences is exact and of others is not");
+    }
+  }
+  Json json = comparison_json(command, first, std::nullopt, metric_table());
+  json["sequence"]["count"] = sequences.size();
+  Pool pool;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const JudgedRun& run = runs[i];
+    write_results(output / labels[i], run.stored.run, run.metrics);
+    write_description(run, output / labels[i]);
+    json["runs"].push_back(
+        run_json(*run.sequence, entry_of(run, labels[i]), run.stored.run, run.metrics));
+    json["runs"].back()["pooled"] = names[i];
+    pool.add(names[i], *run.sequence, run.stored.run, run.metrics);
+  }
+  json["estimators"] = pool.estimators();
+  json["pairs"] = pool.pairs();
+  std::ofstream(output / "compare.json") << json.dump(1) << '\n';
+  return json["estimators"];
+}
+
+}  // namespace slammot

@@ -1,0 +1,52 @@
+"""The comparison in words where estimators have several runs, each put together over them."""
+from verdict import WHY_ALIGNED, alignment_of, error_name
+
+FEWEST = 10  # runs from which an interval over runs decides
+
+
+def between(estimate, unit=" m"):
+    """value [lower, upper]"""
+    if estimate["lower"] is None:
+        return f"{estimate['value']:.3g}{unit}"
+    return f"{estimate['value']:.3g}{unit} [{estimate['lower']:.3g}, {estimate['upper']:.3g}]"
+
+
+def failures(estimators):
+    sentences = [f"{e.name}: {e.failed} of {e.runs} runs failed (error above a tenth of the path), {e.diverged} diverged."
+                 for e in estimators if e.failed or e.diverged]
+    return [("Failed", sentences)] if sentences else []
+
+
+def accuracy(comparison):
+    known = sorted((e for e in comparison.estimators if (e.values.get(comparison.error_key) or {}).get("value") is not None),
+                   key=lambda e: e.values[comparison.error_key]["value"])
+    if not known:
+        return [("Accuracy", ["Not known: no run has a defined error."])]
+    sentences = [f"{error_name(comparison)[:1].upper()}{error_name(comparison)[1:]} {alignment_of(comparison)}, 95% interval over runs: " + "; ".join(
+        f"{e.name} {between(e.values[comparison.error_key])}" for e in known) + "."]
+    for pair in comparison.pairs:
+        d = pair["difference"]
+        if not pair["pairs"] or d["lower"] is None or d["runs"] < FEWEST or d["lower"] <= 0.0 <= d["upper"]:
+            continue
+        better, worse, wins = (pair["a"], pair["b"], pair["wins_a"]) if d["upper"] < 0.0 else (pair["b"], pair["a"], pair["wins_b"])
+        sentences.append(f"{better} is more accurate than {worse}: better in {wins} of {pair['pairs']} pairs of runs.")
+    return [("Accuracy", sentences + ([WHY_ALIGNED] if comparison.aligned else []))]
+
+
+def consistency_of(e):
+    part, a = next(((part, e.anees[part]) for part in ("pose", "position", "rotation") if part in e.anees), (None, None))
+    if a is None:
+        return None
+    if a["infinite"] or a["mean"] is None:
+        return f"{e.name} reports covariances that are not positive definite."
+    text = f"ANEES of the {part} {between({'value': a['mean'], **{k: a[k] for k in ('lower', 'upper')}}, '')} ({a['dof']} expected)"
+    if a["lower"] is None or e.runs < FEWEST:
+        return f"{e.name}: {text}; {e.runs} run{'s' if e.runs > 1 else ''} decide nothing."
+    word = "overconfident" if a["lower"] > a["dof"] else "conservative" if a["upper"] < a["dof"] else "consistent within its interval"
+    return f"{e.name} is {word}: {text}, {100 * a['inside']:.0f}% of the frames inside."
+
+
+def findings(comparison):
+    sentences = [s for s in map(consistency_of, comparison.estimators) if s]
+    return [*failures(comparison.estimators), *accuracy(comparison),
+            ("Consistency", sentences or ["Not judged: the truth is not exact, or a covariance is missing."])]

@@ -1,0 +1,117 @@
+"""A study in words, computed from its summary. Each finding is (heading, sentences)."""
+import ranking
+from pooled_verdict import FEWEST, between
+from study_tables import anees_class, error_name, error_of, estimators_of
+
+MOST_GROUPS = 4  # that are named one by one
+POSE = 6  # degrees of freedom
+
+
+def labels(summary):
+    return list(dict.fromkeys(cell["label"] for _, cell in estimators_of(summary)))
+
+
+def cells_called(summary, label):
+    return [(group, cell) for group, cell in estimators_of(summary) if cell["label"] == label]
+
+
+def failures(summary):
+    sentences = []
+    for label in labels(summary):
+        cells = [cell for _, cell in cells_called(summary, label)]
+        runs, failed, diverged = (sum(n) for n in zip(*((c["runs"], len(c["lost"]), len(c["diverged"])) for c in cells)))
+        if failed or diverged:
+            sentences.append(f"{label}: {failed} of {runs} runs failed (error above a tenth of the path), {diverged} diverged.")
+    return [("Failed", sentences)] if sentences else []
+
+
+def known_errors(group, summary):
+    """(estimate, label), the smallest error first."""
+    found = [(error_of(cell), cell["label"]) for g, cell in estimators_of(summary) if g is group]
+    return sorted(((e, label) for e, label in found if e and e["value"] is not None), key=lambda pair: pair[0]["value"])
+
+
+def accuracy(summary):
+    ordered = [(group, known_errors(group, summary)) for group in summary["groups"]]
+    ordered = [(group, errors) for group, errors in ordered if errors]
+    if not ordered:
+        return [("Accuracy", ["No run has a defined error."])]
+    if len(ordered) <= MOST_GROUPS:
+        sentences = [f'{group["name"]}, {error_name(group)}: ' + "; ".join(f"{label} {between(e)}" for e, label in errors) + "." for group, errors in ordered]
+    else:
+        first = [errors[0][1] for _, errors in ordered]
+        sentences = ["Smallest error: " + ", ".join(
+            f"{label} in {first.count(label)}" for label in sorted(dict.fromkeys(first), key=first.count, reverse=True)) + f" of {len(ordered)} scenarios."]
+    measured = [group["name"] for group, _ in ordered if any(cell.get("aligned") for cell in group["cells"])]
+    if measured:
+        sentences.append("Where the truth is measured, errors are after similarity alignment (ATE Sim(3)), as images of one camera tell neither frame nor scale.")
+    return [("Accuracy", sentences)]
+
+
+def pairs(summary):
+    """In how many scenarios the interval of the difference excludes zero."""
+    counts = {}
+    for group in summary["groups"]:
+        for pair in group["pairs"]:
+            d = pair["position_rmse_difference_m"]
+            if d["lower"] is None or d["runs"] < FEWEST:
+                continue
+            smaller, larger, all_of = counts.get((pair["a"], pair["b"]), (0, 0, 0))
+            counts[pair["a"], pair["b"]] = (smaller + (d["upper"] < 0), larger + (d["lower"] > 0), all_of + 1)
+    decided = [(a, b, n) for (a, b), n in counts.items() if n[0] or n[1]]
+    sentences = [f"{a} against {b}: more accurate in {n[0]}, less in {n[1]} of {n[2]} scenarios (the interval of the difference excludes 0)."
+                 for a, b, n in decided[:6]]
+    if not counts:
+        return [("Differences", [f"With fewer than {FEWEST} pairs of runs nothing is decided."])]
+    return [("Differences", sentences or ["No difference has an interval that excludes 0."])]
+
+
+def range_of(values):
+    low, high = min(values), max(values)
+    return f"{low:.3g}" if f"{low:.3g}" == f"{high:.3g}" else f"{low:.3g} to {high:.3g}"
+
+
+def consistency_of(summary, label):
+    parts = [cell["anees"]["pose"] for _, cell in cells_called(summary, label) if "pose" in cell.get("anees", {})]
+    means = [p["mean"] for p in parts if p["mean"] is not None]
+    if not parts:
+        return None
+    if len(means) < len(parts):
+        return f"{label} reports covariances that are not positive definite."
+    classes = [anees_class(p) for p in parts]
+    above, below = classes.count("over"), classes.count("under")
+    word = "overconfident" if above else "conservative" if below else "not shown to be inconsistent"
+    where = "" if len(parts) == 1 or not (above or below) else f" in {above or below} of {len(parts)} scenarios"
+    return f"{label} is {word}{where}: ANEES of the pose {range_of(means)} ({POSE} expected), {range_of([100 * p['inside'] for p in parts])}% of the frames inside."
+
+
+def consistency(summary):
+    sentences = [s for s in (consistency_of(summary, label) for label in labels(summary)) if s]
+    return [("Consistency", sentences or ["Not judged: the truth is measured."])]
+
+
+def recommendation(summary):
+    text = ranking.sentence(ranking.ranking(summary)) if "ranking" in summary["figures"] else ""
+    return [("Ranking", [text])] if text else []
+
+
+def findings(summary):
+    return [*failures(summary), *recommendation(summary), *accuracy(summary), *pairs(summary), *consistency(summary)]
+
+
+def most_runs(summary):
+    return max(cell["runs"] for group in summary["groups"] for cell in group["cells"])
+
+
+SEEDS = {"simulations": "Each seed is another simulation of the scenario.",
+         "noise": "Each seed is another draw of the noise added to one recording: intervals are over draws, not over sequences.",
+         "one run": "A recording to which no noise is added is one run: it has no interval."}
+
+
+def seeds(summary):
+    """What the runs of a scenario are: the sentence, and of which scenarios where they differ."""
+    kinds = dict.fromkeys(group.get("seeds", "simulations") for group in summary["groups"])
+    if len(kinds) == 1:
+        return [SEEDS[kind] for kind in kinds]
+    named = {kind: list(dict.fromkeys(g["name"].split(",")[0] for g in summary["groups"] if g["seeds"] == kind)) for kind in kinds}
+    return [f"{', '.join(named[kind])}: {SEEDS[kind][0].lower()}{SEEDS[kind][1:]}" for kind in kinds]

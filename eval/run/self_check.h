@@ -1,0 +1,12 @@
+// What a run says against itself, without any truth: an estimator that is lost often leaves
+// numbers that are finite and wrong, and a covariance that is small.
+#pragma once
+
+#include "eval/result/run_result.h"
+
+namespace slammot {
+
+// In the order of their first frame; empty when nothing speaks against the run.
+std::vector<RunWarning> self_check(const RunResult& run);
+
+}  // namespace slammot

@@ -1,0 +1,116 @@
+// Poses of past frames as later measurements correct them: in the EKF by clones, in the window
+// because they are still there.
+#include <gtest/gtest.h>
+
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/setup.h"
+#include "filters/ekf.h"
+#include "smoothers/window/window.h"
+#include "tests/estimators/linearisation_fixture.h"
+
+namespace slammot {
+namespace {
+
+constexpr int kLag = 9;
+
+Configuration configured() {
+  Configuration configuration;
+  configuration.model.classifier.name = "truth";
+  configuration.model.labels.rule = LabelRule::kOneWay;
+  configuration.ekf.lag = kLag;
+  configuration.window.frames = kLag + 1;
+  return configuration;
+}
+
+TEST(Lag, ChangesNothingOfTheFilter) {
+  const Sequence sequence = simulate("circle", {{"frames", "60"}}, 5);
+  Configuration configuration = configured();
+  const slammot::Setup setup = make_setup(sequence, configuration);
+  const auto with = make_ekf(setup, configuration.model, configuration.ekf);
+  configuration.ekf.lag = 0;
+  const auto without = make_ekf(setup, configuration.model, configuration.ekf);
+  NoStages stages;
+  for (const Frame& frame : sequence.frames) {
+    with->process(frame, stages);
+    without->process(frame, stages);
+    const CameraEstimate a = with->camera(), b = without->camera();
+    const Vector12d sigma = b.covariance.diagonal().cwiseSqrt();
+    ASSERT_LT(boxminus(a.state, b.state).cwiseQuotient(sigma).norm(), 1e-6);
+    ASSERT_LT((a.covariance - b.covariance).norm(), 1e-6 * b.covariance.norm());
+  }
+  EXPECT_FALSE(without->pose_before(1));
+}
+
+TEST(Lag, OfOneFrameIsThePoseBeforeUntilItIsMeasuredAgain) {
+  Sequence sequence = simulate("circle", {{"frames", "30"}}, 5);
+  sequence.frames[20].observations.clear();
+  const Configuration configuration = configured();
+  const auto ekf =
+      make_ekf(make_setup(sequence, configuration), configuration.model, configuration.ekf);
+  NoStages stages;
+  for (int i = 0; i < 20; ++i) ekf->process(sequence.frames[static_cast<std::size_t>(i)], stages);
+  const CameraEstimate before = ekf->camera();
+  ekf->process(sequence.frames[20], stages);
+  const auto lagged = ekf->pose_before(1);
+  ASSERT_TRUE(lagged);
+  EXPECT_LT((lagged->position - before.state.position).norm(), 1e-12);
+  EXPECT_LT((lagged->covariance - before.covariance.topLeftCorner<6, 6>()).norm(),
+            1e-12 * before.covariance.norm());
+  EXPECT_FALSE(ekf->pose_before(kLag + 1));
+}
+
+// With Jacobians at the truth, labels given and no gate, both condition the same linear model on
+// the same measurements: what they know of a past pose is the same.
+TEST(Lag, AtTheTruthEkfAndWindowKnowThePastAlike) {
+  const Sequence sequence = simulate("circle", {{"frames", "60"}}, 3);
+  Configuration configuration = configured();
+  configuration.ekf.linearisation = FilterLinearisation::kIdeal;
+  configuration.window.linearisation = WindowLinearisation::kIdeal;
+  configuration.model.gate = {1.0, 1.0};
+  const slammot::Setup setup = make_setup(sequence, configuration);
+  const auto ekf = make_ekf(setup, configuration.model, configuration.ekf);
+  const auto window = make_window(setup, configuration.model, configuration.window);
+  NoStages stages;
+  double worst = 0.0;
+  int compared = 0;
+  for (const Frame& frame : sequence.frames) {
+    ekf->process(frame, stages);
+    window->process(frame, stages);
+    for (int lag = 1; lag <= kLag; ++lag) {
+      const auto a = ekf->pose_before(lag), b = window->pose_before(lag);
+      ASSERT_EQ(a.has_value(), b.has_value()) << "frame " << frame.index << " lag " << lag;
+      if (!a) continue;
+      const Eigen::Matrix<double, 6, 1> sigma = a->covariance.diagonal().cwiseSqrt();
+      const Matrix6d difference = sigma.asDiagonal().inverse() * (a->covariance - b->covariance) *
+                                  sigma.asDiagonal().inverse();
+      worst = std::max(worst, difference.cwiseAbs().maxCoeff());
+      ++compared;
+    }
+  }
+  std::printf("largest difference of a correlation: %.2g of %d\n", worst, compared);
+  EXPECT_GT(compared, 400);
+  EXPECT_LT(worst, 0.02);
+}
+
+TEST(Lag, LaterMeasurementsMakeAPoseBetterKnown) {
+  const Sequence sequence = simulate("circle", {{"frames", "60"}}, 5);
+  const Configuration configuration = configured();
+  const slammot::Setup setup = make_setup(sequence, configuration);
+  const auto ekf = make_ekf(setup, configuration.model, configuration.ekf);
+  const auto window = make_window(setup, configuration.model, configuration.window);
+  NoStages stages;
+  for (Estimator* estimator : {ekf.get(), window.get()}) {
+    std::vector<double> filtered;
+    for (const Frame& frame : sequence.frames) {
+      estimator->process(frame, stages);
+      filtered.push_back(estimator->camera().covariance.topLeftCorner<3, 3>().trace());
+    }
+    const auto lagged = estimator->pose_before(kLag);
+    ASSERT_TRUE(lagged);
+    const double then = filtered[filtered.size() - 1 - kLag];
+    EXPECT_LT((lagged->covariance.topLeftCorner<3, 3>().trace()), then);
+  }
+}
+
+}  // namespace
+}  // namespace slammot

@@ -1,0 +1,95 @@
+// A run that is lost says so without truth, and a good one says nothing.
+#include "eval/run/self_check.h"
+
+#include <gmock/gmock.h>
+
+namespace slammot {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int kFrames = 60;
+constexpr FrameCounts kGood{
+    .accepted = 20, .accepted_static = 15, .rejected = 1, .out_of_view = 1, .joint_nis = 39.0};
+
+RunResult run_of(const FrameCounts& bad, int from) {
+  RunResult run;
+  for (int i = 0; i < kFrames; ++i) {
+    run.frames.push_back(i);
+    run.counts.push_back(i < from ? kGood : bad);
+  }
+  return run;
+}
+
+std::string only_reason(const RunResult& run) {
+  const std::vector<RunWarning> warnings = self_check(run);
+  EXPECT_EQ(warnings.size(), 1u);
+  return warnings.empty() ? "" : warnings.front().reason;
+}
+
+TEST(SelfCheck, AGoodRunHasNoWarning) { EXPECT_TRUE(self_check(run_of(kGood, 0)).empty()); }
+
+TEST(SelfCheck, AFewBadFramesAreNone) {
+  FrameCounts bad = kGood;
+  bad.joint_nis = 100.0;
+  RunResult run = run_of(kGood, 0);
+  for (std::size_t i = 30; i < 35; ++i) run.counts[i] = bad;
+  EXPECT_TRUE(self_check(run).empty());
+}
+
+TEST(SelfCheck, JointNisTellsOfWrongNoise) {
+  FrameCounts bad = kGood;
+  bad.joint_nis = 120.0;  // 6 a measurement
+  const RunResult run = run_of(bad, 40);
+  EXPECT_THAT(only_reason(run), HasSubstr("joint NIS"));
+  EXPECT_GE(self_check(run).front().frame, 20);  // not before the trouble is in the sum
+}
+
+TEST(SelfCheck, MostRejected) {
+  FrameCounts bad = kGood;
+  bad.accepted = 8;
+  bad.accepted_static = 6;
+  bad.rejected = 20;
+  bad.joint_nis = 16.0;
+  EXPECT_THAT(only_reason(run_of(bad, 20)), HasSubstr("rejected"));
+}
+
+TEST(SelfCheck, WhatIsNotStatedIsNoReason) {
+  FrameCounts unstated = kGood;
+  unstated.joint_nis = kUndefined;
+  EXPECT_TRUE(self_check(run_of(unstated, 0)).empty());
+  EXPECT_TRUE(self_check(run_of({.joint_nis = kUndefined}, 0)).empty());
+}
+
+TEST(SelfCheck, NothingUsed) {
+  EXPECT_THAT(only_reason(run_of(FrameCounts{}, 25)), HasSubstr("no measurement was used"));
+}
+
+TEST(SelfCheck, NothingStaticInView) {
+  FrameCounts bad = kGood;
+  bad.accepted_static = 2;
+  EXPECT_THAT(only_reason(run_of(bad, 20)), HasSubstr("static landmarks in view"));
+}
+
+TEST(SelfCheck, LabelsHaveCollapsed) {
+  RunResult run = run_of(kGood, 0);
+  for (int track = 0; track < 40; ++track) {
+    ClassificationRecord record;
+    record.track = track;
+    record.label = track < 10 ? Label::kStatic : Label::kMoving;
+    record.decision_frame = 5 + track;
+    run.classification.push_back(record);
+  }
+  EXPECT_THAT(only_reason(run), HasSubstr("30 of 40"));
+  EXPECT_EQ(self_check(run).front().frame, 15);
+}
+
+TEST(SelfCheck, ARunTooShortToJudgeIsNotJudged) {
+  RunResult run = run_of(FrameCounts{}, 0);
+  run.frames.resize(10);
+  run.counts.resize(10);
+  EXPECT_TRUE(self_check(run).empty());
+}
+
+}  // namespace
+}  // namespace slammot
