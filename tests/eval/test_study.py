@@ -1,7 +1,7 @@
 """slammot study, as a user runs it: the same bytes whether interrupted, on one thread or two, in one piece or in shards;
 and its report drawn in headless Chromium without an error.
 
-usage: test_study.py SLAMMOT [Study | Page]
+usage: test_study.py SLAMMOT [Study | Strangers | Page]
 """
 import json
 import math
@@ -94,45 +94,6 @@ class Study(WithStudy):
         self.assertIn(f"{32 - before} runs done", again.stdout)
         self.same(folder)
 
-    def test_two_processes_compute_no_run_twice(self):
-        folder = self.folder / "two"
-        command = [SLAMMOT, "study", str(self.study), "--jobs", "1", "--resume", "--output", str(folder)]
-        first = subprocess.Popen(command, stdout=subprocess.DEVNULL)
-        journal = folder / "journal-1-of-1.jsonl"
-        while not (journal.exists() and journal.read_bytes().count(b"\n") > 1):
-            time.sleep(0.005)
-        self.assertIn("another process", slammot(*command[1:], code=2).stderr)
-        self.assertIn("another process", slammot("study", self.study, "--shard", "1/2", "--output", folder, code=2).stderr)
-        self.assertEqual(first.wait(), 0)
-        self.assertEqual(journal.read_bytes().count(b"\n"), 1 + 32)
-        self.same(folder)
-
-    def test_runs_of_another_configuration_are_refused(self):
-        mine, other, text = self.folder / "mine", self.folder / "other", self.folder / "of_other.yaml"
-        text.write_text(STUDY.replace("frames: 24", "frames: 39"), encoding="utf-8")
-        slammot("study", self.study, "--shard", "1/2", "--runs", 1, "--output", mine)
-        slammot("study", text, "--shard", "2/2", "--runs", 1, "--output", other)
-        shutil.copy(other / "journal-2-of-2.jsonl", mine)
-        for command in (["--merge"], ["--merge", "--force"], ["--resume"]):
-            said = slammot("study", self.study, "--runs", 1, "--output", mine, *command, code=2).stderr
-            self.assertIn("journal-2-of-2.jsonl:1: these runs are of another configuration", said)
-
-    def test_runs_of_another_build_are_refused(self):
-        folder = self.folder / "rebuilt"
-        slammot("study", self.study, "--runs", 1, "--output", folder)
-        journal = folder / "journal-1-of-1.jsonl"
-        lines = journal.read_text(encoding="utf-8").splitlines(keepends=True)
-        head = json.loads(lines[0])
-        head["journal"]["program"] = "0" * 64
-        journal.write_text("".join([json.dumps(head) + "\n", *lines[1:]]), encoding="utf-8")
-        self.assertIn("another build", slammot("study", self.study, "--resume", "--output", folder, code=2).stderr)
-        self.assertIn("another build", slammot("study", self.study, "--merge", "--output", folder, "--runs", 1, code=2).stderr)
-        more = slammot("study", self.study, "--resume", "--force", "--output", folder)
-        self.assertIn("24 runs done", more.stdout)
-        heads = [line for line in journal.read_text(encoding="utf-8").splitlines() if line.startswith('{"journal"')]
-        self.assertEqual(len(heads), 2)
-        self.same(folder)
-
     def test_three_shards_in_folders_of_their_own(self):
         folders = [self.folder / f"shard{i}" for i in (1, 2, 3)]
         for i, folder in enumerate(folders, 1):
@@ -175,6 +136,47 @@ class Study(WithStudy):
             self.assertEqual(error.count("\n"), 1, error)
             self.assertIn("bad.yaml", error)
             self.assertFalse((self.folder / "bad").exists())
+
+
+class Strangers(WithStudy):
+    def test_two_processes_compute_no_run_twice(self):
+        folder = self.folder / "two"
+        command = [SLAMMOT, "study", str(self.study), "--jobs", "1", "--resume", "--output", str(folder)]
+        first = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+        journal = folder / "journal-1-of-1.jsonl"
+        while not (journal.exists() and journal.read_bytes().count(b"\n") > 1):
+            time.sleep(0.005)
+        self.assertIn("another process", slammot(*command[1:], code=2).stderr)
+        self.assertIn("another process", slammot("study", self.study, "--shard", "1/2", "--output", folder, code=2).stderr)
+        self.assertEqual(first.wait(), 0)
+        self.assertEqual(journal.read_bytes().count(b"\n"), 1 + 32)
+        self.same(folder)
+
+    def test_runs_of_another_configuration_are_refused(self):
+        mine, other, text = self.folder / "mine", self.folder / "other", self.folder / "of_other.yaml"
+        text.write_text(STUDY.replace("frames: 24", "frames: 39"), encoding="utf-8")
+        slammot("study", self.study, "--shard", "1/2", "--runs", 1, "--output", mine)
+        slammot("study", text, "--shard", "2/2", "--runs", 1, "--output", other)
+        shutil.copy(other / "journal-2-of-2.jsonl", mine)
+        for command in (["--merge"], ["--merge", "--force"], ["--resume"]):
+            said = slammot("study", self.study, "--runs", 1, "--output", mine, *command, code=2).stderr
+            self.assertIn("journal-2-of-2.jsonl:1: these runs are of another configuration", said)
+
+    def test_runs_of_another_build_are_refused(self):
+        folder = self.folder / "rebuilt"
+        slammot("study", self.study, "--runs", 1, "--output", folder)
+        journal = folder / "journal-1-of-1.jsonl"
+        lines = journal.read_text(encoding="utf-8").splitlines(keepends=True)
+        head = json.loads(lines[0])
+        head["journal"]["program"] = "0" * 64
+        journal.write_text("".join([json.dumps(head) + "\n", *lines[1:]]), encoding="utf-8")
+        self.assertIn("another build", slammot("study", self.study, "--resume", "--output", folder, code=2).stderr)
+        self.assertIn("another build", slammot("study", self.study, "--merge", "--output", folder, "--runs", 1, code=2).stderr)
+        more = slammot("study", self.study, "--resume", "--force", "--output", folder)
+        self.assertIn("24 runs done", more.stdout)
+        heads = [line for line in journal.read_text(encoding="utf-8").splitlines() if line.startswith('{"journal"')]
+        self.assertEqual(len(heads), 2)
+        self.same(folder)
 
 
 class Page(WithStudy):
