@@ -215,6 +215,7 @@ class Page(WithStudy):
         self.assertIn("With fewer than 10 pairs of runs nothing is decided.", text)
         cells = [cell for group in json.loads((self.whole / "summary.json").read_text())["groups"] for cell in group["cells"]]
         over = sum(cell["anees"][part]["lower"] > dof for cell in cells for part, dof in (("pose", 6), ("position", 3)))
+        over += sum(bool(cell["lost"]) + bool(cell["diverged"]) for cell in cells)
         summary = text[text.index("<h2>Summary"):text.index("<h2>", text.index("<h2>Summary") + 4)]
         self.assertEqual(summary.count('<td class="over">'), over)
         self.assertEqual(summary.count('rowspan="2"'), 4)  # two estimators in each of four groups
@@ -301,7 +302,7 @@ figures: [camera_error, anees, trade_off]
         for bad, reason in (("window:window.frame=3", "window.frames"), ("window:", "key=value"), ("windw:window.frames=3", "unknown estimator")):
             self.assertIn(reason, slammot("compare", self.recorded(), "--estimator", bad, "--output", self.folder / "bad", code=2).stderr)
         self.assertIn("compared with itself", slammot("compare", self.recorded(), "--estimator", "ekf", "--estimator", "ekf", "--output",
-                                                      self.folder / "bad", code=2).stderr)
+                                                      self.folder / "same", code=2).stderr)
 
     def test_report(self):
         drawn = self.folder / "drawn.yaml"
