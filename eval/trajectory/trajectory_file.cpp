@@ -119,8 +119,12 @@ std::vector<CameraEstimate> read_rows(const Path& file, const std::string& text,
   for (TextTable row(file, text); next_row(row, format);) {
     const CameraEstimate camera = format.pose(row);
     if (format.timed) {
-      row.refuse_if(cameras.empty() ? time_fault(camera.timestamp)
-                                    : order_fault(cameras.back().timestamp, camera.timestamp));
+      if (const Fault fault = time_fault(camera.timestamp)) {
+        row.refuse(*fault + "; are these nanoseconds?");
+      }
+      if (!cameras.empty()) {
+        row.refuse_if(order_fault(cameras.back().timestamp, camera.timestamp));
+      }
     }
     cameras.push_back(camera);
   }
