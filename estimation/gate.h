@@ -43,6 +43,7 @@ class FrameGate {
 
   // Of the frame sorted last, by the place of the measurement.
   bool accepts(std::size_t i) const { return is_accepted_[i] != 0; }
+  bool accepts_alone(std::size_t i) const { return nis_[i] <= alone_; }
   double nis(std::size_t i) const { return nis_[i]; }                            // on its own
   double nis_given_others(std::size_t i) const { return nis_given_others_[i]; }  // those accepted
   double joint_nis() const { return joint_nis_; }  // nu' S^-1 nu of all accepted

@@ -11,7 +11,7 @@ namespace slammot {
 namespace {
 
 // Of all solutions of a batch together; after that it has diverged.
-constexpr int kMaxIterations = 300;
+constexpr int kMaxIterations = 1000;
 
 }  // namespace
 

@@ -128,7 +128,8 @@ void FrameLoop::gate(const Frame& frame, FrameReport& report) {
       report.accepted_static += manager_->records().at(z.track).label == Label::kStatic ? 1 : 0;
       report.nis_sum += gate_.nis(i);
     } else {
-      rejected_.push_back({z.track, gate_.nis_given_others(i)});
+      rejected_.push_back(
+          {z.track, gate_.accepts_alone(i) ? gate_.nis_given_others(i) : gate_.nis(i)});
     }
   }
   report.joint_nis = gate_.joint_nis();

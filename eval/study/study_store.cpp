@@ -21,14 +21,13 @@ Json cell_json(const StudyCell& cell) {
   Configuration configuration = cell.configuration;
   find_estimator(cell.estimator).adjust(configuration);
   Json scene = Json::object();
-  for (const ScenarioParameter& p : scenario_parameters(cell.scenario)) scene[p.name] = p.value;
-  Json json = {{"group", cell.group},
-               {"label", cell.label},
-               {"scenario", cell.scenario},
-               {"defaults", scene},
-               {"set", cell.scene},
-               {"estimator", cell.estimator},
-               {"configuration", Json::object()}};
+  if (cell.sequence.empty()) {
+    for (const ScenarioParameter& p : scenario_parameters(cell.scenario)) scene[p.name] = p.value;
+  }
+  Json json = {{"group", cell.group},         {"label", cell.label},
+               {"scenario", cell.scenario},   {"sequence", cell.sequence},
+               {"defaults", scene},           {"set", cell.scene},
+               {"estimator", cell.estimator}, {"configuration", Json::object()}};
   for (const auto& [key, value] : key_values(configuration)) json["configuration"][key] = value;
   return json;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "datasets/sequence/plausible.h"
 #include "datasets/text/input_error.h"
 #include "datasets/text/number.h"
 
@@ -32,7 +33,7 @@ CameraEstimate unknown_covariance() {
 Eigen::Quaterniond quaternion_at(const TextTable& row, const std::array<size_t, 4>& fields) {
   const auto [w, x, y, z] = fields;
   Eigen::Quaterniond q(row.real(w), row.real(x), row.real(y), row.real(z));
-  if (!(std::abs(q.norm() - 1.0) < 1e-2)) row.refuse("the quaternion is not of unit length");
+  row.refuse_if(quaternion_fault(q));
   return q.normalized();
 }
 
@@ -117,8 +118,13 @@ std::vector<CameraEstimate> read_rows(const Path& file, const std::string& text,
   std::vector<CameraEstimate> cameras;
   for (TextTable row(file, text); next_row(row, format);) {
     const CameraEstimate camera = format.pose(row);
-    if (format.timed && !cameras.empty() && camera.timestamp <= cameras.back().timestamp) {
-      row.refuse("timestamps do not increase");
+    if (format.timed) {
+      if (const Fault fault = time_fault(camera.timestamp)) {
+        row.refuse(*fault + "; are these nanoseconds?");
+      }
+      if (!cameras.empty()) {
+        row.refuse_if(order_fault(cameras.back().timestamp, camera.timestamp));
+      }
     }
     cameras.push_back(camera);
   }

@@ -20,6 +20,7 @@ constexpr int kFrames = 10;
 // Track 0 never moves, track 1 always; track 2 moves, stands in frames 3 to 6, and moves again.
 Sequence stop_and_go() {
   Sequence sequence = test::straight_line(kFrames);
+  sequence.camera.fx = sequence.camera.fy = 400.0;  // as the reader wants it
   sequence.landmarks[2].label = Label::kMoving;
   double z = 5.0;
   for (int i = 0; i < kFrames; ++i) {

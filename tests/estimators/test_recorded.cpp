@@ -44,13 +44,13 @@ struct Outcome {
 };
 
 // Means, and sums of labels, over noise seeds: the published one and four more. First frame,
-// classifier and depth prior are those of the author's program.
+// classifier and gate are those of the author's program.
 Outcome over_noise_seeds(const std::string& estimator) {
   constexpr unsigned kSeeds = 5;
   Configuration configuration;
   configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
   configuration.model.classifier.name = "thesis";
-  configuration.model.depth_prior = DepthPriorSource::kFixed;
+  configuration.model.gate.given_others = 1.0;
   const Sequence published = read_sequence(kData / "synth19_1px");
   Outcome sum;
   for (unsigned seed = 0; seed < kSeeds; ++seed) {

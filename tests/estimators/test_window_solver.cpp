@@ -68,7 +68,7 @@ void expect_same_runs(const Sequence& sequence, const Configuration& configurati
 }
 
 TEST(WindowSolver, IsThatOfCeresOnCircle) {
-  expect_same_runs(simulate("circle", {{"frames", "50"}, {"first_moving", "0"}}, 2),
+  expect_same_runs(simulate("circle", {{"frames", "40"}, {"first_moving", "0"}}, 2),
                    Configuration{});
 }
 

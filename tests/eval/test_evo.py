@@ -40,8 +40,8 @@ class Evo(unittest.TestCase):
             for name, figures in recorded.items():
                 write_sequence(folder / name / "sequence", folder / name / "truth.tum")
                 subprocess.run([SLAMMOT, "evaluate", folder / name / "estimate.tum", "--against", folder / name / "sequence",
-                                "--json", folder / "metrics.json", *trajectories.CASES[name][2]], check=True, capture_output=True)
-                ours, = json.loads((folder / "metrics.json").read_text()).values()
+                                "--json", folder / f"{name}.json", *trajectories.CASES[name][2]], check=True, capture_output=True)
+                ours, = json.loads((folder / f"{name}.json").read_text()).values()
                 for key, figure in figures.items():
                     with self.subTest(trajectory=name, command=figure["command"]):
                         difference = abs(ours["filtered"]["accuracy"][key] / figure["rmse"] - 1)

@@ -1,7 +1,7 @@
 """slammot study, as a user runs it: the same bytes whether interrupted, on one thread or two, in one piece or in shards;
 and its report drawn in headless Chromium without an error.
 
-usage: test_study.py SLAMMOT [Study | Page]
+usage: test_study.py SLAMMOT [Study | Strangers | Page]
 """
 import json
 import math
@@ -100,45 +100,6 @@ class Study(WithStudy):
         self.assertIn(f"{32 - before} runs done", again.stdout)
         self.same(folder)
 
-    def test_two_processes_compute_no_run_twice(self):
-        folder = self.folder / "two"
-        command = [SLAMMOT, "study", str(self.study), "--jobs", "1", "--resume", "--output", str(folder)]
-        first = subprocess.Popen(command, stdout=subprocess.DEVNULL)
-        journal = folder / "journal-1-of-1.jsonl"
-        while not (journal.exists() and journal.read_bytes().count(b"\n") > 1):
-            time.sleep(0.005)
-        self.assertIn("another process", slammot(*command[1:], code=2).stderr)
-        self.assertIn("another process", slammot("study", self.study, "--shard", "1/2", "--output", folder, code=2).stderr)
-        self.assertEqual(first.wait(), 0)
-        self.assertEqual(journal.read_bytes().count(b"\n"), 1 + 32)
-        self.same(folder)
-
-    def test_runs_of_another_configuration_are_refused(self):
-        mine, other, text = self.folder / "mine", self.folder / "other", self.folder / "of_other.yaml"
-        text.write_text(STUDY.replace("frames: 24", "frames: 39"), encoding="utf-8")
-        slammot("study", self.study, "--shard", "1/2", "--runs", 1, "--output", mine)
-        slammot("study", text, "--shard", "2/2", "--runs", 1, "--output", other)
-        shutil.copy(other / "journal-2-of-2.jsonl", mine)
-        for command in (["--merge"], ["--merge", "--force"], ["--resume"]):
-            said = slammot("study", self.study, "--runs", 1, "--output", mine, *command, code=2).stderr
-            self.assertIn("journal-2-of-2.jsonl:1: these runs are of another configuration", said)
-
-    def test_runs_of_another_build_are_refused(self):
-        folder = self.folder / "rebuilt"
-        slammot("study", self.study, "--runs", 1, "--output", folder)
-        journal = folder / "journal-1-of-1.jsonl"
-        lines = journal.read_text(encoding="utf-8").splitlines(keepends=True)
-        head = json.loads(lines[0])
-        head["journal"]["program"] = "0" * 64
-        journal.write_text("".join([json.dumps(head) + "\n", *lines[1:]]), encoding="utf-8")
-        self.assertIn("another build", slammot("study", self.study, "--resume", "--output", folder, code=2).stderr)
-        self.assertIn("another build", slammot("study", self.study, "--merge", "--output", folder, "--runs", 1, code=2).stderr)
-        more = slammot("study", self.study, "--resume", "--force", "--output", folder)
-        self.assertIn("24 runs done", more.stdout)
-        heads = [line for line in journal.read_text(encoding="utf-8").splitlines() if line.startswith('{"journal"')]
-        self.assertEqual(len(heads), 2)
-        self.same(folder)
-
     def test_three_shards_in_folders_of_their_own(self):
         folders = [self.folder / f"shard{i}" for i in (1, 2, 3)]
         for i, folder in enumerate(folders, 1):
@@ -183,6 +144,47 @@ class Study(WithStudy):
             self.assertFalse((self.folder / "bad").exists())
 
 
+class Strangers(WithStudy):
+    def test_two_processes_compute_no_run_twice(self):
+        folder = self.folder / "two"
+        command = [SLAMMOT, "study", str(self.study), "--jobs", "1", "--resume", "--output", str(folder)]
+        first = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+        journal = folder / "journal-1-of-1.jsonl"
+        while not (journal.exists() and journal.read_bytes().count(b"\n") > 1):
+            time.sleep(0.005)
+        self.assertIn("another process", slammot(*command[1:], code=2).stderr)
+        self.assertIn("another process", slammot("study", self.study, "--shard", "1/2", "--output", folder, code=2).stderr)
+        self.assertEqual(first.wait(), 0)
+        self.assertEqual(journal.read_bytes().count(b"\n"), 1 + 32)
+        self.same(folder)
+
+    def test_runs_of_another_configuration_are_refused(self):
+        mine, other, text = self.folder / "mine", self.folder / "other", self.folder / "of_other.yaml"
+        text.write_text(STUDY.replace("frames: 24", "frames: 39"), encoding="utf-8")
+        slammot("study", self.study, "--shard", "1/2", "--runs", 1, "--output", mine)
+        slammot("study", text, "--shard", "2/2", "--runs", 1, "--output", other)
+        shutil.copy(other / "journal-2-of-2.jsonl", mine)
+        for command in (["--merge"], ["--merge", "--force"], ["--resume"]):
+            said = slammot("study", self.study, "--runs", 1, "--output", mine, *command, code=2).stderr
+            self.assertIn("journal-2-of-2.jsonl:1: these runs are of another configuration", said)
+
+    def test_runs_of_another_build_are_refused(self):
+        folder = self.folder / "rebuilt"
+        slammot("study", self.study, "--runs", 1, "--output", folder)
+        journal = folder / "journal-1-of-1.jsonl"
+        lines = journal.read_text(encoding="utf-8").splitlines(keepends=True)
+        head = json.loads(lines[0])
+        head["journal"]["program"] = "0" * 64
+        journal.write_text("".join([json.dumps(head) + "\n", *lines[1:]]), encoding="utf-8")
+        self.assertIn("another build", slammot("study", self.study, "--resume", "--output", folder, code=2).stderr)
+        self.assertIn("another build", slammot("study", self.study, "--merge", "--output", folder, "--runs", 1, code=2).stderr)
+        more = slammot("study", self.study, "--resume", "--force", "--output", folder)
+        self.assertIn("24 runs done", more.stdout)
+        heads = [line for line in journal.read_text(encoding="utf-8").splitlines() if line.startswith('{"journal"')]
+        self.assertEqual(len(heads), 2)
+        self.same(folder)
+
+
 class Page(WithStudy):
     def opened(self, page):
         """The page's elements as headless Chromium leaves them. Its log does not tell errors from remarks: the page is made to."""
@@ -219,6 +221,7 @@ class Page(WithStudy):
         self.assertIn("With fewer than 10 pairs of runs nothing is decided.", text)
         cells = [cell for group in json.loads((self.whole / "summary.json").read_text())["groups"] for cell in group["cells"]]
         over = sum(cell["anees"][part]["lower"] > dof for cell in cells for part, dof in (("pose", 6), ("position", 3)))
+        over += sum(bool(cell["lost"]) + bool(cell["diverged"]) for cell in cells)
         summary = text[text.index("<h2>Summary"):text.index("<h2>", text.index("<h2>Summary") + 4)]
         self.assertEqual(summary.count('<td class="over">'), over)
         self.assertEqual(summary.count('rowspan="2"'), 4)  # two estimators in each of four groups
@@ -305,7 +308,7 @@ figures: [camera_error, anees, trade_off]
         for bad, reason in (("window:window.frame=3", "window.frames"), ("window:", "key=value"), ("windw:window.frames=3", "unknown estimator")):
             self.assertIn(reason, slammot("compare", self.recorded(), "--estimator", bad, "--output", self.folder / "bad", code=2).stderr)
         self.assertIn("compared with itself", slammot("compare", self.recorded(), "--estimator", "ekf", "--estimator", "ekf", "--output",
-                                                      self.folder / "bad", code=2).stderr)
+                                                      self.folder / "same", code=2).stderr)
 
     def test_report(self):
         drawn = self.folder / "drawn.yaml"

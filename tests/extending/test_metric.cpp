@@ -59,7 +59,7 @@ TEST_F(ExtendingMetric, IsPooledByAStudyAndAColumnOfItsTables) {
   options.output = folder_.path() / "study";
   claim_folder(study, options.output, options.shard, false);
   ASSERT_EQ(run_study(study, options), 4);
-  merge_runs(study, {options.output}, options.output);
+  merge_runs(study, {options.output}, options.output, false);
   const Json summary = summarise_study(study, options.output);
   std::ofstream(options.output / "summary.json") << summary.dump(1) << '\n';
 

@@ -175,7 +175,7 @@ TEST_F(Images, OfWhichAllAreTheSame) {
   }
   test::write_text(sequence() / "frames.csv", frames);
   ASSERT_EQ(track(), 0) << error_;
-  EXPECT_EQ(read_native(output()).pixel_sigma, 0.01);
+  EXPECT_EQ(read_native(output()).pixel_sigma, 0.5);  // measured: none
 }
 
 TEST_F(Images, AreNotReplacedByTheirMeasurements) {
@@ -233,8 +233,8 @@ TEST_F(Images, ARunIsDrawnOverThem) {
   ASSERT_FALSE(last.empty());
   // All its landmarks are static: there is blue on the grey image, and no red.
   cv::Mat blue, red;
-  cv::inRange(last, cv::Scalar(200, 0, 0), cv::Scalar(255, 100, 80), blue);
-  cv::inRange(last, cv::Scalar(0, 0, 200), cv::Scalar(80, 80, 255), red);
+  cv::inRange(last, cv::Scalar(160, 95, 0), cv::Scalar(200, 135, 20), blue);
+  cv::inRange(last, cv::Scalar(0, 75, 195), cv::Scalar(20, 115, 235), red);
   EXPECT_GT(cv::countNonZero(blue), 20);
   EXPECT_EQ(cv::countNonZero(red), 0);
   std::filesystem::remove(image(3));

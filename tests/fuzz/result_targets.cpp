@@ -80,7 +80,8 @@ Files run() {
           {"metrics.json",
            "{\"coverage\": {\"frames_offered\": 2, \"frames_done\": 2, \"measurements_offered\": "
            "4, \"accepted\": 3, \"rejected\": 1, \"out_of_view\": 0, \"landmarks_admitted\": 2, "
-           "\"landmarks_lost\": 0, \"negative_inverse_depths\": 0}, \"nis\": {\"mean\": 1.9}, "
+           "\"landmarks_lost\": 0, \"negative_inverse_depths\": 0}, \"nis\": {\"mean\": 1.9, "
+           "\"joint_mean\": 2.0}, \"warnings\": [], "
            "\"runtime\": {\"smoothing_ms\": 0.5}, \"divergence\": {\"frame\": 1, \"reason\": "
            "\"not a number\"}}\n"}};
 }
