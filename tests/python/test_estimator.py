@@ -117,7 +117,7 @@ class PythonEstimator(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         runs = json.loads((out / "compare.json").read_text(encoding="utf-8"))["runs"]
         self.assertEqual([run["label"] for run in runs], ["KnownPoints-gate.probability=0.5", "KnownPoints"])
-        accepted = [run["metrics"]["counts"]["accepted"] for run in runs]
+        accepted = [run["metrics"]["coverage"]["accepted"] for run in runs]
         self.assertLess(accepted[0], accepted[1])
 
     def test_a_stored_run_is_judged_again(self):
