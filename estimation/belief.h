@@ -9,6 +9,7 @@
 #pragma once
 
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "estimation/classification.h"
@@ -16,6 +17,7 @@
 #include "estimation/estimator.h"
 #include "estimation/gate.h"
 #include "estimation/landmark_estimate.h"
+#include "estimation/probation.h"
 
 namespace slammot {
 
@@ -77,6 +79,13 @@ class Belief {
   // Setup::prior.mean_sigma > 0 the mean of its inverse depth is a variable of the belief, and that
   // of `prior` is not used.
   virtual bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) = 0;
+
+  // Between predict() and innovations(): landmarks enter with pixels of past frames (probation.h).
+  // Those with a pixel that fails the gate given the others stay out and are named in `refused`.
+  // Only of a belief that keeps past poses.
+  virtual void add_seen(std::span<const Candidate> /*candidates*/, std::vector<int>& /*refused*/) {
+    throw std::invalid_argument("policy.probation above 1: this estimator keeps no past poses");
+  }
 
   // At the end of a frame, whatever is left to check.
   virtual void finish() {}

@@ -48,6 +48,7 @@ inline constexpr Choice<DepthPriorSource> kDepthPriorSources[] = {
 struct TrackPolicy {
   int max_landmarks = 1000;     // landmarks in the state at once; later births wait
   int max_visible = 60;         // births wait while this many landmarks are being measured
+  int probation = 1;            // frames in a row that measure a track until it is a landmark
   int prune_after = 5;          // frames without an accepted measurement until it is pruned
   int prune_missed_after = 30;  // frames that should have shown it, until a static one is pruned
   Retain retain = Retain::kMap;

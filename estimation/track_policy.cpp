@@ -25,6 +25,12 @@ void note_accepted(TrackRecord& record, int frame) {
   record.missed = 0;
 }
 
+void note_sightings(TrackRecord& record, std::span<const Sighting> sightings) {
+  record.first_frame = sightings.front().frame;
+  record.last_frame = sightings.back().frame;
+  record.observations = static_cast<int>(sightings.size());
+}
+
 void note_unused(TrackRecord& record, bool in_view) { record.missed += in_view; }
 
 void note_rejected(TrackRecord& record) { ++record.rejected_in_row; }

@@ -6,6 +6,7 @@
 
 #include "estimation/estimator.h"
 #include "estimation/options.h"
+#include "estimation/probation.h"
 
 namespace slammot {
 
@@ -36,6 +37,9 @@ void note_rejected(TrackRecord& record);
 // After a frame that did not use the landmark: whether it was predicted to be in view.
 void note_unused(TrackRecord& record, bool in_view);
 void note_decision(TrackRecord& record, Label label, int frame);
+
+// Of one that was measured before it was initialised: in these frames (probation.h).
+void note_sightings(TrackRecord& record, std::span<const Sighting> sightings);
 
 // Whether a landmark is pruned after a frame. A landmark that is measured but keeps failing the
 // gate is pruned whatever its label: its track then starts anew as an unknown landmark. So is a

@@ -1,5 +1,7 @@
 #include "filters/ekf.h"
 
+#include <algorithm>
+
 #include "estimation/loop/frame_loop.h"
 #include "filters/ekf_belief.h"
 #include "models/points/initialisation.h"
@@ -10,6 +12,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
     : setup_(setup),
       options_(options),
       condition_(models.collapse == Collapse::kCondition),
+      gate_threshold_(pixel_threshold(models.gate.probability)),
       functions_(find_landmark(models.landmark, models.point)),
       linearisation_(options.linearisation, functions_, setup.truth) {
   if (options.deferred && options.linearisation == FilterLinearisation::kInvariant) {
@@ -28,13 +31,18 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
     throw std::invalid_argument(
         "ekf.lag needs linearisation standard or ideal, and no ekf.deferred");
   }
+  const bool is_standard = options.linearisation == FilterLinearisation::kStandard;
+  if (models.policy.probation > 1 && (options.deferred || !is_standard)) {
+    throw std::invalid_argument(
+        "policy.probation above 1 needs ekf.linearisation standard, and no ekf.deferred");
+  }
   const LandmarkPrior& prior = setup.prior;
   if (prior.mean_sigma > 0.0) {
     const Eigen::MatrixXd variance =
         Eigen::MatrixXd::Constant(1, 1, prior.mean_sigma * prior.mean_sigma);
     state_.scene = {prior.inverse_depth, state_.covariance.append({}, variance)};
   }
-  for (int i = 0; i < options.lag; ++i) {
+  for (int i = 0; i < std::max(options.lag, models.policy.probation - 1); ++i) {
     state_.clones.emplace_back().block = state_.covariance.append({}, Matrix6d::Zero());
   }
 }
@@ -57,13 +65,13 @@ void Ekf::predict(const Frame& frame, double dt) {
 }
 
 void Ekf::add_known(const KnownLandmark& known) {
-  const FilterAnchor& anchor = anchor_here();
+  const FilterAnchor& anchor = anchor_at(state_.pose(), frame_);
   const NewKnownLandmark here = initialise_known(functions_.point, known, anchor.position);
   const Eigen::MatrixXd J = linearisation_.known_birth(state_, known, frame_, here).J_y_position;
   const double variance = known.sigma * known.sigma;
   const StateBlock block =
       state_.covariance.append({{anchor.block, -J}}, variance * J * J.transpose());
-  insert(known.track, here.y, block);
+  insert(known.track, frame_, here.y, block);
 }
 
 void Ekf::innovations(std::span<const Observation> measured, FrameInnovation& result) {
@@ -139,12 +147,17 @@ void Ekf::remove(std::span<const int> tracks, const TrackRecords& /*records*/) {
 
 // Thesis 2.1.3, (2.7): y from pixel, rotation and prior, with its full cross-covariance.
 bool Ekf::add(const Observation& z, const LandmarkPrior& prior, bool is_free) {
-  const auto here = initialise(setup_.camera, functions_.point, state_.camera.orientation, z.pixel,
+  return add(z, state_.pose(), frame_, prior, is_free);
+}
+
+bool Ekf::add(const Observation& z, const FilterPose& pose, int frame, const LandmarkPrior& prior,
+              bool is_free) {
+  const auto here = initialise(setup_.camera, functions_.point, pose.orientation, z.pixel,
                                state_.scene ? state_.scene->inverse_depth : prior.inverse_depth);
   if (!here) return false;
-  const NewLandmark at = linearisation_.birth(state_, setup_.camera, z, frame_, *here);
-  anchor_here();
-  insert(z.track, here->y, append_new(at, prior, is_free ? functions_.dim() : 3));
+  const NewLandmark at = linearisation_.birth(state_, setup_.camera, z, frame, *here);
+  anchor_at(pose, frame);
+  insert(z.track, frame, here->y, append_new(at, pose, prior, is_free ? functions_.dim() : 3));
   return true;
 }
 
@@ -163,14 +176,14 @@ CameraEstimate Ekf::camera() const {
   return {0.0, state_.camera, state_.covariance.block(JointState::kCamera, JointState::kCamera)};
 }
 
-FilterClone& Ekf::clone_of(int frame) {
+FilterPose& Ekf::clone_of(int frame) {
   return state_.clones[static_cast<std::size_t>(frame) % state_.clones.size()];
 }
 
 std::optional<PoseEstimate> Ekf::pose_before(int frames) const {
-  if (frames > std::ssize(state_.clones) || frames >= frames_) return std::nullopt;
+  if (frames > options_.lag || frames >= frames_) return std::nullopt;
   const auto at = static_cast<std::size_t>(frames_ - frames) % state_.clones.size();
-  const FilterClone& clone = state_.clones[at];
+  const FilterPose& clone = state_.clones[at];
   return PoseEstimate{clone.position, clone.orientation,
                       state_.covariance.block(clone.block, clone.block)};
 }

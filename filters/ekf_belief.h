@@ -26,6 +26,7 @@ class Ekf final : public Belief {
   void free(int track, const LandmarkPrior& prior) override;
   void remove(std::span<const int> tracks, const TrackRecords& records) override;
   bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override;
+  void add_seen(std::span<const Candidate> candidates, std::vector<int>& refused) override;
   void finish() override;
 
   int state_size() const override { return state_.size(); }
@@ -39,10 +40,17 @@ class Ekf final : public Belief {
  private:
   void predict_landmark(int track, FilterLandmark& landmark, double dt);
   void condition_on_rest(std::span<const int> tracks);
-  FilterClone& clone_of(int frame);
-  StateBlock append_new(const NewLandmark& at, const LandmarkPrior& prior, int dim);
-  FilterAnchor& anchor_here();
-  void insert(int track, const Eigen::Vector3d& y, StateBlock block);
+  FilterPose& clone_of(int frame);
+  bool add(const Observation& z, const FilterPose& pose, int frame, const LandmarkPrior& prior,
+           bool is_free);
+  StateBlock append_new(const NewLandmark& at, const FilterPose& pose, const LandmarkPrior& prior,
+                        int dim);
+  FilterAnchor& anchor_at(const FilterPose& pose, int frame);
+  void insert(int track, int frame, const Eigen::Vector3d& y, StateBlock block);
+
+  // ekf_probation.cpp
+  bool add_seen(const Candidate& candidate);
+  bool use_past(int track, const FilterPose& pose, const Eigen::Vector2d& pixel);
 
   // ekf_passive.cpp: what of the map is updated at once, with the option `deferred`.
   void divide(const Frame& frame);
@@ -52,6 +60,7 @@ class Ekf final : public Belief {
   Setup setup_;
   EkfOptions options_;
   bool condition_;  // on collapse, w = 0 is used
+  double gate_threshold_;
   const LandmarkFunctions& functions_;
   JointState state_;
   Linearisation linearisation_;

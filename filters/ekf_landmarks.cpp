@@ -39,7 +39,8 @@ void Ekf::condition_on_rest(std::span<const int> tracks) {
 }
 
 // The rows of a landmark's (y) or (y, w) when it is initialised.
-StateBlock Ekf::append_new(const NewLandmark& at, const LandmarkPrior& prior, int dim) {
+StateBlock Ekf::append_new(const NewLandmark& at, const FilterPose& pose,
+                           const LandmarkPrior& prior, int dim) {
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(dim, dim);
   const double pixel_variance = setup_.pixel_sigma * setup_.pixel_sigma;
   const double depth_variance = prior.inverse_depth_sigma * prior.inverse_depth_sigma;
@@ -48,7 +49,7 @@ StateBlock Ekf::append_new(const NewLandmark& at, const LandmarkPrior& prior, in
   if (dim > 3) R.diagonal().tail(dim - 3) = functions_.prior_sigmas(prior).cwiseAbs2();
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(dim, 3);
   J.topRows<3>() = at.J_rotation;
-  std::vector<JointCovariance::Dependence> on{{{kRotation, 3}, J}};
+  std::vector<JointCovariance::Dependence> on{{{pose.block.offset + kRotation, 3}, J}};
   if (state_.scene) {
     Eigen::MatrixXd J_scene = Eigen::MatrixXd::Zero(dim, 1);
     J_scene.topRows<3>() = at.J_inverse_depth;
@@ -57,19 +58,19 @@ StateBlock Ekf::append_new(const NewLandmark& at, const LandmarkPrior& prior, in
   return state_.covariance.append(on, R);
 }
 
-FilterAnchor& Ekf::anchor_here() {
-  const auto found = state_.anchors.find(frame_);
+FilterAnchor& Ekf::anchor_at(const FilterPose& pose, int frame) {
+  const auto found = state_.anchors.find(frame);
   if (found != state_.anchors.end()) return found->second;
   const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
-  const StateBlock block =
-      state_.covariance.append({{{kPosition, 3}, I}}, Eigen::MatrixXd::Zero(3, 3));
-  return state_.anchors[frame_] = {state_.camera.position, block, 0};
+  const StateBlock block = state_.covariance.append({{{pose.block.offset + kPosition, 3}, I}},
+                                                    Eigen::MatrixXd::Zero(3, 3));
+  return state_.anchors[frame] = {pose.position, block, 0};
 }
 
-void Ekf::insert(int track, const Eigen::Vector3d& y, StateBlock block) {
-  ++state_.anchors.at(frame_).landmarks;
+void Ekf::insert(int track, int frame, const Eigen::Vector3d& y, StateBlock block) {
+  ++state_.anchors.at(frame).landmarks;
   FilterLandmark& landmark = state_.landmarks[track];
-  landmark.anchor = frame_;
+  landmark.anchor = frame;
   landmark.last_used = frames_;
   landmark.y = y;
   landmark.y_block = {block.offset, 3};

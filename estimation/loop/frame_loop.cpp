@@ -67,6 +67,7 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   manager_->retire_leaving(*belief_, report);
   belief_->predict(frame, time_since_last(frame));
   manager_->add_known(frame, *belief_, report);
+  manager_->end_probation(frame, *belief_, report);
 
   stages.begin("gate");
   gate(frame, report);

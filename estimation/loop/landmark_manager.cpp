@@ -1,5 +1,7 @@
 #include "estimation/loop/landmark_manager.h"
 
+#include <algorithm>
+
 #include "models/landmarks/true_state.h"
 #include "models/points/observation.h"
 
@@ -15,6 +17,7 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
       depth_prior_(learns_depths(models.depth_prior, setup.initial, !setup.known.empty()),
                    setup.prior),
       truth_(std::move(truth_for_view)),
+      probation_(models.policy.probation),
       first_(first) {
   if (!functions_.point.exists(Eigen::Vector3d::UnitZ(), setup.prior.inverse_depth)) {
     throw std::invalid_argument("point " + models.point + " needs prior.inverse_depth above 0");
@@ -155,11 +158,41 @@ TrackRecord LandmarkManager::record_at_birth(int track, int frame, const Landmar
   return record;
 }
 
-// Thesis 2.1.3: undelayed, at the first pixel.
+void LandmarkManager::end_probation(const Frame& frame, Belief& belief, FrameReport& report) {
+  if (!probation_.is_on()) return;
+  const auto is_known = [&](const Observation& z) { return knows(z.track); };
+  const auto visible = std::ranges::count_if(frame.observations, is_known);
+  const auto room =
+      room_for(static_cast<int>(records_.size()), static_cast<int>(visible), models_.policy);
+  std::vector<Candidate> candidates;
+  std::map<int, TrackRecord> births;
+  for (const Observation& z : frame.observations) {
+    if (candidates.size() == room) break;
+    if (knows(z.track) || !probation_.is_passed(z.track)) continue;
+    TrackRecord record = record_at_birth(z.track, frame.index, depth_prior_.of_new());
+    const bool is_free = record.label != Label::kStatic;
+    candidates.push_back(
+        {z.track, probation_.sightings(z.track, frame.timestamp), record.prior, is_free});
+    note_sightings(record, candidates.back().sightings);
+    births[z.track] = std::move(record);
+  }
+  belief.add_seen(candidates, tracks_);
+  for (const int track : tracks_) {
+    probation_.forget(track);
+    births.erase(track);
+  }
+  report.admitted += static_cast<int>(births.size());
+  records_.merge(births);
+}
+
+// Thesis 2.1.3: undelayed, at the first pixel; or on probation.
 void LandmarkManager::initialise_new(const Frame& frame, Belief& belief, FrameReport& report) {
   unmatched_.clear();
   for (const Observation& z : frame.observations) {
     if (!knows(z.track)) unmatched_.push_back(z);
+  }
+  if (probation_.is_on() && frame.index != first_frame_) {
+    return probation_.note(frame, unmatched_);
   }
   const LandmarkPrior& prior = depth_prior_.of_new();
   const auto room = room_for(static_cast<int>(records_.size()), report.accepted, models_.policy);

@@ -29,6 +29,9 @@ class LandmarkManager {
   bool watches_innovations() const { return slammot::watches_innovations(models_.labels); }
   void note_innovations(std::span<const LeaveOneOut> innovations);
   void learn_depths(std::span<const Observation> accepted, Belief& belief);
+  // Tracks whose probation ends with this frame become landmarks, before its measurements are
+  // gated.
+  void end_probation(const Frame& frame, Belief& belief, FrameReport& report);
   // Returns the tracks that are static from now on.
   const std::vector<int>& classify(int frame, std::span<const Observation> accepted,
                                    Belief& belief);
@@ -51,6 +54,7 @@ class LandmarkManager {
   DepthPrior depth_prior_;
   std::shared_ptr<const Truth> truth_;
   std::map<int, KnownLandmark> known_;  // stated, not measured yet
+  Probation probation_;
   FirstFrame& first_;
   std::optional<int> first_frame_;
   TrackRecords records_;

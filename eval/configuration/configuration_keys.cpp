@@ -179,6 +179,10 @@ std::vector<ConfigurationKey> model_keys() {
              SLAMMOT_FIELD(model.policy.max_landmarks)),
       number("policy.max_visible", "no births while so many are being measured", kPositive,
              SLAMMOT_FIELD(model.policy.max_visible)),
+      number("policy.probation",
+             "frames in a row that measure a track until it becomes a landmark, with all its "
+             "measurements",
+             kPositive, SLAMMOT_FIELD(model.policy.probation)),
       number("policy.prune_after", "frames without a measurement until a landmark is pruned",
              kPositive, SLAMMOT_FIELD(model.policy.prune_after)),
       number("policy.prune_missed_after",

@@ -7,7 +7,7 @@ namespace slammot {
 void JointState::move(Eigen::Ref<const Eigen::VectorXd> dx) {
   camera = boxplus(camera, Vector12d(dx.head<kCameraDim>()));
   if (scene) scene->inverse_depth += dx(scene->block.offset);
-  for (FilterClone& clone : clones) {
+  for (FilterPose& clone : clones) {
     clone.position += dx.segment<3>(clone.block.offset);
     const Eigen::Vector3d turn = dx.segment<3>(clone.block.offset + kRotation);
     clone.orientation = clone.orientation * exp_so3(turn);
@@ -27,13 +27,13 @@ void JointState::move(Eigen::Ref<const Eigen::VectorXd> dx) {
 void JointState::correct(Eigen::Ref<const Eigen::VectorXd> dx) {
   move(dx);
   covariance.transform({{kRotation, 3}}, right_jacobian_so3(dx.segment<3>(kRotation)));
-  for (const FilterClone& clone : clones) {
+  for (const FilterPose& clone : clones) {
     const StateBlock rotation{clone.block.offset + kRotation, 3};
     covariance.transform({rotation}, right_jacobian_so3(dx.segment<3>(rotation.offset)));
   }
 }
 
-void JointState::clone_pose(FilterClone& clone) {
+void JointState::clone_pose(FilterPose& clone) {
   clone.position = camera.position;
   clone.orientation = camera.orientation;
   Eigen::Matrix<double, 12, 12> copy = Eigen::Matrix<double, 12, 12>::Zero();

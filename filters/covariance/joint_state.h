@@ -44,8 +44,9 @@ struct FilterScene {
   StateBlock block;  // 1
 };
 
-// The pose of a past frame: measurements go on correcting it through its covariance with the rest.
-struct FilterClone {
+// A pose in the state. Of a past frame, measurements go on correcting it through its covariance
+// with the rest.
+struct FilterPose {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
   StateBlock block;  // 6: dr (W), dtheta (C, right)
@@ -58,7 +59,7 @@ struct JointState {
   std::map<int, FilterLandmark> landmarks;  // by track
   JointCovariance covariance;               // of all but the passive map
   PassiveMap passive;
-  std::vector<FilterClone> clones;  // a ring; their rows stand behind those of the scene
+  std::vector<FilterPose> clones;  // a ring; their rows stand behind those of the scene
 
   static constexpr StateBlock kCamera{0, kCameraDim};
   static constexpr StateBlock kPose{0, 6};
@@ -85,8 +86,10 @@ struct JointState {
   // The estimates of the passive map follow what was corrected since this was last done.
   void correct_passive();
 
+  FilterPose pose() const { return {camera.position, camera.orientation, kPose}; }
+
   // This clone becomes a copy of the camera's pose.
-  void clone_pose(FilterClone& clone);
+  void clone_pose(FilterPose& clone);
 
   // Removes landmarks, and anchors that nobody uses any more.
   void remove_landmarks(std::span<const int> tracks);

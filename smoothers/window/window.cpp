@@ -45,6 +45,12 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
     throw std::invalid_argument(
         "window.prior cameras needs collapse condition: drop keeps landmarks in the prior");
   }
+  if (models.policy.probation > 1 && graph_.fixed_points()) {
+    throw std::invalid_argument("policy.probation above 1 needs window.linearisation standard");
+  }
+  if (models.policy.probation > options.frames) {
+    throw std::invalid_argument("policy.probation must not exceed window.frames");
+  }
   if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);
 }
 
@@ -181,26 +187,34 @@ void Window::remove(std::span<const int> tracks, const TrackRecords& records) {
 // Thesis 2.1.3, (2.7), as factors: the first pixel, and the priors of inverse depth and motion.
 bool Window::add(const Observation& z, const LandmarkPrior& prior, bool is_free) {
   const WindowFrame& newest = cameras_.newest();
-  const auto& scene = graph_.scene;
-  const double depth = scene ? graph_.variables[scene->scene].value(0) : prior.inverse_depth;
-  const auto here = initialise(setup_.camera, functions_.point, cameras_.state(newest).orientation,
-                               z.pixel, depth);
-  if (!here) return false;
-  WindowLandmark& landmark = insert(z.track, newest.camera.position, here->y);
+  WindowLandmark* landmark = insert_at(newest, z, prior, is_free);
+  if (landmark == nullptr) return false;
   if (histories_) histories_->begin(z.track, newest.number, false);
   if (histories_) histories_->measured(z.track, newest.number, z.pixel);
+  truth_.apply(*landmark);
+  graph_.linearise(graph_[landmark->id]);
+  optimiser_.equations().add(graph_, landmark->id);
+  return true;
+}
+
+// Its factors, not linearised yet; none when the pixel has no ray.
+WindowLandmark* Window::insert_at(const WindowFrame& frame, const Observation& z,
+                                  const LandmarkPrior& prior, bool is_free) {
+  const auto& scene = graph_.scene;
+  const double depth = scene ? graph_.variables[scene->scene].value(0) : prior.inverse_depth;
+  const auto here = initialise(setup_.camera, functions_.point, cameras_.state(frame).orientation,
+                               z.pixel, depth);
+  if (!here) return nullptr;
+  WindowLandmark& landmark = insert(z.track, frame.camera.position, here->y);
   GraphLandmark& l = graph_[landmark.id];
   l.birth.kind = scene ? BirthPrior::Kind::kSharedDepth : BirthPrior::Kind::kDepth;
   l.birth.inverse_depth = prior.inverse_depth;
   l.birth.sigma = prior.inverse_depth_sigma;
   l.birth.scene = scene ? scene->scene : -1;
-  graph_.add_pixel(landmark.id, newest.camera, z.pixel, 0);
+  graph_.add_pixel(landmark.id, frame.camera, z.pixel, 0);
   landmark.is_free = is_free;
   if (is_free) graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
-  truth_.apply(landmark);
-  graph_.linearise(l);
-  optimiser_.equations().add(graph_, landmark.id);
-  return true;
+  return &landmark;
 }
 
 WindowLandmark& Window::insert(int track, VariableId anchor, const Eigen::Vector3d& y) {

@@ -44,6 +44,7 @@ class Window final : public Belief {
   void free(int track, const LandmarkPrior& prior) override;
   void remove(std::span<const int> tracks, const TrackRecords& records) override;
   bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override;
+  void add_seen(std::span<const Candidate> candidates, std::vector<int>& refused) override;
 
   int state_size() const override;
   CameraEstimate camera() const override { return camera_; }
@@ -86,7 +87,15 @@ class Window final : public Belief {
   void let_go(const RetestedPixel& z);
   void admit(const RetestedPixel& z);
 
+  // window_probation.cpp
+  bool insert_seen(const Candidate& candidate);
+  void find_refused(std::span<const Candidate> candidates, std::vector<int>& refused);
+  void begin_history(const Candidate& candidate);
+  const WindowFrame& frame_of(const Sighting& seen) const;
+
   WindowLandmark& insert(int track, VariableId anchor, const Eigen::Vector3d& y);
+  WindowLandmark* insert_at(const WindowFrame& frame, const Observation& z,
+                            const LandmarkPrior& prior, bool is_free);
   void solve();
   void refactorise();
   void estimate_camera();

@@ -96,6 +96,18 @@ class FakeBelief final : public Belief {
     state[z.track].is_free = is_free;
     return true;
   }
+  void add_seen(std::span<const Candidate> candidates, std::vector<int>& refused) override {
+    refused.clear();
+    for (const Candidate& candidate : candidates) {
+      call("add_seen");
+      sightings = candidate.sightings;
+      if (candidate.track == kRefused) {
+        refused.push_back(candidate.track);
+      } else {
+        state[candidate.track].is_free = candidate.is_free;
+      }
+    }
+  }
   void finish() override { call("finish"); }
   int state_size() const override { return static_cast<int>(state.size()); }
   CameraEstimate camera() const override { return camera_; }
@@ -113,7 +125,8 @@ class FakeBelief final : public Belief {
     return std::vector<LandmarkBelief>(tracks.size(), belief);
   }
 
-  static constexpr int kNoRay = 99;
+  static constexpr int kNoRay = 99, kRefused = 98;
+  std::vector<Sighting> sightings;
   std::map<int, FakeLandmark> state;
   std::vector<int> used, asked;
   LandmarkPrior newest_prior;
@@ -323,6 +336,26 @@ TEST_F(FrameLoopOf, AdmitsWhatThereIsRoomFor) {
   EXPECT_EQ(frame({1, 3}).admitted, 1);
   EXPECT_EQ(frame({FakeBelief::kNoRay}).admitted, 0);
   EXPECT_FALSE(loop_->records().contains(FakeBelief::kNoRay));
+}
+
+TEST_F(FrameLoopOf, AdmitsAtTheThirdSightingOnProbation) {
+  ModelOptions models;
+  models.policy.probation = 3;
+  start(models);
+  EXPECT_EQ(frame({1}).admitted, 1);  // of the first frame, at once
+  EXPECT_EQ(frame({1, 2, FakeBelief::kRefused}).admitted, 0);
+  EXPECT_EQ(frame({1, 2, FakeBelief::kRefused}).admitted, 0);
+  const FrameReport report = frame({1, 2, 3, FakeBelief::kRefused});
+  EXPECT_EQ(report.admitted, 1);
+  EXPECT_EQ(report.accepted, 2);  // its third pixel is used in its frame
+  EXPECT_THAT(calls_, testing::Contains("add_seen").Times(2));
+  ASSERT_EQ(belief_->sightings.size(), 2u);
+  EXPECT_EQ(belief_->sightings.front().frames_before, 2);
+  EXPECT_EQ(loop_->records().at(2).first_frame, 1);
+  EXPECT_EQ(loop_->records().at(2).observations, 3);
+  EXPECT_FALSE(loop_->records().contains(FakeBelief::kRefused));
+  EXPECT_EQ(frame({1, 2, 3, FakeBelief::kRefused}).admitted, 0);  // both begin anew
+  EXPECT_EQ(frame({1, 2, 3}).admitted, 1);
 }
 
 TEST_F(FrameLoopOf, LearnsTheDepthPriorFromStaticLandmarks) {
