@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "models/label.h"
 #include "models/measurement.h"
 
 namespace slammot {
@@ -29,7 +30,9 @@ struct Candidate {
   int track = 0;
   std::vector<Sighting> sightings;  // of frames in a row, oldest first, the last one frame before
   LandmarkPrior prior;
-  bool is_free = true;
+  Label label = Label::kUnknown;
+
+  bool is_free() const { return label != Label::kStatic; }
 };
 
 class Probation {

@@ -48,7 +48,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
 }
 
 // Thesis 2.1.1 for the camera, (2.5) for what may move; a static landmark is not predicted (3.1.3).
-void Ekf::predict(const Frame& frame, double dt) {
+void Ekf::predict(const Frame& frame, double dt, const TrackRecords& records) {
   if (options_.deferred) divide(frame);
   frame_ = frame.index;
   ++frames_;
@@ -59,7 +59,7 @@ void Ekf::predict(const Frame& frame, double dt) {
                               camera_noise(setup_.camera_noise, at, dt));
   state_.camera = slammot::predict(state_.camera, dt);
   for (auto& [track, landmark] : state_.landmarks) {
-    if (landmark.is_free()) predict_landmark(track, landmark, dt);
+    if (landmark.is_free()) predict_landmark(track, landmark, records.at(track).label, dt);
   }
   linearisation_.predicted(state_, frame.index, dt);
 }

@@ -14,7 +14,7 @@ class Ekf final : public Belief {
   // exclude each other.
   Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options);
 
-  void predict(const Frame& frame, double dt) override;
+  void predict(const Frame& frame, double dt, const TrackRecords& records) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured, FrameInnovation& result) override;
   void update(const TrackRecords& records, std::span<const Observation> accepted,
@@ -38,7 +38,7 @@ class Ekf final : public Belief {
   const JointState& state() const { return state_; }
 
  private:
-  void predict_landmark(int track, FilterLandmark& landmark, double dt);
+  void predict_landmark(int track, FilterLandmark& landmark, Label label, double dt);
   void condition_on_rest(std::span<const int> tracks);
   FilterPose& clone_of(int frame);
   bool add(const Observation& z, const FilterPose& pose, int frame, const LandmarkPrior& prior,

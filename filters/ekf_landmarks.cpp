@@ -6,13 +6,14 @@
 namespace slammot {
 
 // Thesis (2.5).
-void Ekf::predict_landmark(int track, FilterLandmark& landmark, double dt) {
+void Ekf::predict_landmark(int track, FilterLandmark& landmark, Label label, double dt) {
   const LandmarkVector at = linearisation_.landmark(state_, track);
   const LandmarkMatrix F = functions_.predict_jacobian(at, dt);
   const LandmarkVector x = functions_.predict(landmark.x(), dt);
   landmark.y = x.head<3>();
   landmark.w = x.tail(functions_.motion);
-  const LandmarkMatrix G = functions_.noise_root(functions_.predict(at, dt), setup_.prior, dt);
+  const LandmarkMatrix G = functions_.noise_root(functions_.predict(at, dt),
+                                                 setup_.prior.noise(label == Label::kMoving), dt);
   state_.covariance.propagate({landmark.y_block, landmark.w_block}, F, G * G.transpose());
 }
 

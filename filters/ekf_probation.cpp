@@ -19,7 +19,7 @@ bool Ekf::add_seen(const Candidate& candidate) {
   for (const Sighting& seen : candidate.sightings) {
     const FilterPose& pose = clone_of(frames_ - seen.frames_before);
     if (&seen == &candidate.sightings.front()) {
-      if (!add({track, seen.pixel}, pose, seen.frame, candidate.prior, candidate.is_free)) {
+      if (!add({track, seen.pixel}, pose, seen.frame, candidate.prior, candidate.is_free())) {
         return false;
       }
     } else if (!use_past(track, pose, seen.pixel)) {
@@ -27,7 +27,7 @@ bool Ekf::add_seen(const Candidate& candidate) {
       return false;
     }
     FilterLandmark& landmark = state_.landmarks.at(track);
-    if (landmark.is_free()) predict_landmark(track, landmark, seen.to_next);
+    if (landmark.is_free()) predict_landmark(track, landmark, candidate.label, seen.to_next);
   }
   return true;
 }

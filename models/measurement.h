@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
 #include "models/camera_state.h"
@@ -52,8 +53,20 @@ struct LandmarkPrior {
   double max_speed = 2.0;             // |v|max [m/s]; sigma_v = |v|max / 2, thesis (2.6)
   double acceleration = 1.0;          // sigma of unknown and moving landmarks' noise [m/s^2]
   double jerk = 1.0;                  // the same of models with an acceleration [m/s^3]
+  double steady_time = 10.0;          // bounds that of unknown ones [s], see noise(); 0: no bound
 
   double velocity_sigma() const { return max_speed / 2.0; }
+
+  // With the noise of one that is known to move, or may. What may be at rest is thought to keep its
+  // velocity: in `steady_time` it changes by no more than velocity_sigma. Else a statement that
+  // suits the movers hides that the others rest.
+  LandmarkPrior noise(bool is_moving) const {
+    LandmarkPrior result = *this;
+    if (is_moving || steady_time <= 0.0) return result;
+    result.acceleration = std::min(acceleration, velocity_sigma() / steady_time);
+    result.jerk = std::min(jerk, acceleration / steady_time);
+    return result;
+  }
 };
 
 }  // namespace slammot

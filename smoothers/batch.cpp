@@ -131,8 +131,9 @@ void Batch::add_chain(const TrackHistory& history, GraphLandmark& l) {
     const auto k = static_cast<std::size_t>(history.first) + i;
     ChainStep& step = l.chain.emplace_back();
     step.dt = timestamps_[k + 1] - timestamps_[k];
+    step.is_moving = history.record.label == Label::kMoving;
     x = functions_.predict(x, step.dt);
-    step.G = functions_.noise_root(x, setup_.prior, step.dt);
+    step.G = functions_.noise_root(x, setup_.prior.noise(step.is_moving), step.dt);
     step.noise = least_noise(step.G, history.states[i + 1] - x);
     x += step.G * step.noise;
   }

@@ -65,7 +65,7 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   FrameReport report;
   stages.begin("predict");
   manager_->retire_leaving(*belief_, report);
-  belief_->predict(frame, time_since_last(frame));
+  belief_->predict(frame, time_since_last(frame), manager_->records());
   manager_->add_known(frame, *belief_, report);
   manager_->end_probation(frame, *belief_, report);
 

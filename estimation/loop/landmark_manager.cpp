@@ -170,9 +170,8 @@ void LandmarkManager::end_probation(const Frame& frame, Belief& belief, FrameRep
     if (candidates.size() == room) break;
     if (knows(z.track) || !probation_.is_passed(z.track)) continue;
     TrackRecord record = record_at_birth(z.track, frame.index, depth_prior_.of_new());
-    const bool is_free = record.label != Label::kStatic;
     candidates.push_back(
-        {z.track, probation_.sightings(z.track, frame.timestamp), record.prior, is_free});
+        {z.track, probation_.sightings(z.track, frame.timestamp), record.prior, record.label});
     note_sightings(record, candidates.back().sightings);
     births[z.track] = std::move(record);
   }

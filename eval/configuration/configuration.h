@@ -34,6 +34,7 @@ struct PriorConfiguration {
   std::optional<double> max_speed;            // [m/s]
   std::optional<double> acceleration;         // [m/s^2]
   std::optional<double> jerk;                 // [m/s^3]
+  std::optional<double> steady_time;          // [s]
 };
 
 struct InitialConfiguration {

@@ -229,6 +229,10 @@ std::vector<ConfigurationKey> statement_keys() {
              SLAMMOT_FIELD(prior.acceleration)),
       number("prior.jerk", "the same of models with an acceleration [m/s^3]", kNotNegative,
              SLAMMOT_FIELD(prior.jerk)),
+      number("prior.steady_time",
+             "in which the velocity of one that is not known to move changes by its sigma at most "
+             "[s]; 0: no bound",
+             kNotNegative, SLAMMOT_FIELD(prior.steady_time)),
       number("initial.velocity_sigma", "of the camera's first velocity [m/s]", kNotNegative,
              SLAMMOT_FIELD(initial.velocity_sigma)),
       number("initial.angular_velocity_sigma", "of its first angular velocity [rad/s]",

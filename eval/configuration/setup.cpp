@@ -49,6 +49,7 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& came
   prior.max_speed = overrides.max_speed.value_or(prior.max_speed);
   prior.acceleration = overrides.acceleration.value_or(prior.acceleration);
   prior.jerk = overrides.jerk.value_or(prior.jerk);
+  prior.steady_time = overrides.steady_time.value_or(prior.steady_time);
   return prior;
 }
 
@@ -112,7 +113,8 @@ Configuration resolved(const Setup& setup, Configuration configuration) {
   configuration.motion.angular_acceleration = setup.camera_noise.angular_acceleration;
   configuration.prior = {setup.prior.inverse_depth, setup.prior.inverse_depth_sigma,
                          setup.prior.mean_sigma,    setup.prior.max_speed,
-                         setup.prior.acceleration,  setup.prior.jerk};
+                         setup.prior.acceleration,  setup.prior.jerk,
+                         setup.prior.steady_time};
   configuration.initial = {setup.initial.velocity_sigma, setup.initial.angular_velocity_sigma};
   return configuration;
 }

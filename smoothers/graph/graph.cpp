@@ -163,7 +163,7 @@ double Graph::refresh_noises(GraphLandmark& l) {
   for (ChainStep& step : l.chain) {
     before = models_.landmark->predict(before, step.dt) + step.G.lazyProduct(step.noise);
     x = models_.landmark->predict(x, step.dt);
-    step.G = models_.landmark->noise_root(x, models_.prior, step.dt);
+    step.G = models_.landmark->noise_root(x, models_.prior.noise(step.is_moving), step.dt);
     const LandmarkVector noise = least_noise(step.G, before - x);
     x += step.G.lazyProduct(noise);
     change = std::max(change, (noise - step.noise).cwiseAbs().maxCoeff());

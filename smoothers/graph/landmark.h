@@ -20,7 +20,8 @@ using LandmarkId = int;  // its slot in the graph
 
 // One step of a chain.
 struct ChainStep {
-  double dt = 0.0;  // [s]
+  double dt = 0.0;        // [s]
+  bool is_moving = true;  // as it was believed then, LandmarkPrior::noise()
   LandmarkMatrix G;
   LandmarkVector noise;
   std::optional<LandmarkVector> noise_point;  // set: where Jacobians are taken

@@ -37,7 +37,7 @@ void TruthLinearisation::apply(const WindowLandmark& landmark) const {
     ChainStep& step = l.chain[i];
     step.F = model.predict_jacobian(at, step.dt);
     at = model.predict(at, step.dt);
-    step.G = model.noise_root(at, graph_.models().prior, step.dt);
+    step.G = model.noise_root(at, graph_.models().prior.noise(step.is_moving), step.dt);
     step.noise_point = least_noise(step.G, x[i + 1] - at);
     at += step.G * *step.noise_point;
     step.point = at;

@@ -66,7 +66,7 @@ void Window::leaving(std::vector<int>& tracks) {
 
 // Thesis 2.1.1 and (2.5): the new camera enters at its prediction, with its motion factor, and the
 // chain of each free landmark grows.
-void Window::predict(const Frame& frame, double dt) {
+void Window::predict(const Frame& frame, double dt, const TrackRecords& records) {
   if (dt == 0.0) {
     cameras_.start(frame, setup_.initial);
     return refactorise();
@@ -77,7 +77,7 @@ void Window::predict(const Frame& frame, double dt) {
   F_ = -J_inverse * motion.J_from;
   Q_ = J_inverse * J_inverse.transpose();
   for (auto& [track, landmark] : landmarks_) {
-    if (landmark.is_free) extend(landmark, dt);
+    if (landmark.is_free) extend(landmark, records.at(track).label, dt);
   }
 }
 

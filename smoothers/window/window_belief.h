@@ -32,7 +32,7 @@ class Window final : public Belief {
   Window& operator=(const Window&) = delete;
 
   void leaving(std::vector<int>& tracks) override;
-  void predict(const Frame& frame, double dt) override;
+  void predict(const Frame& frame, double dt, const TrackRecords& records) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured, FrameInnovation& result) override;
   void update(const TrackRecords& records, std::span<const Observation> accepted,
@@ -74,7 +74,7 @@ class Window final : public Belief {
   void reactivate_measured();
 
   // window_landmarks.cpp: chains.
-  void extend(WindowLandmark& landmark, double dt);
+  void extend(WindowLandmark& landmark, Label label, double dt);
   void end_chain(WindowLandmark& landmark);
 
   // window_retest.cpp

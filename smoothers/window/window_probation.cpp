@@ -44,7 +44,7 @@ const WindowFrame& Window::frame_of(const Sighting& seen) const {
 bool Window::insert_seen(const Candidate& candidate) {
   const Sighting& first = candidate.sightings.front();
   WindowLandmark* landmark = insert_at(frame_of(first), {candidate.track, first.pixel},
-                                       candidate.prior, candidate.is_free);
+                                       candidate.prior, candidate.is_free());
   if (landmark == nullptr) return false;
   landmark->last_used = candidate.sightings.back().frame;
   GraphLandmark& l = graph_[landmark->id];
@@ -52,7 +52,7 @@ bool Window::insert_seen(const Candidate& candidate) {
     if (&seen != &first) {
       graph_.add_pixel(landmark->id, frame_of(seen).camera, seen.pixel, l.steps());
     }
-    if (candidate.is_free) extend(*landmark, seen.to_next);
+    if (candidate.is_free()) extend(*landmark, candidate.label, seen.to_next);
   }
   return true;
 }

@@ -25,7 +25,7 @@ class FakeBelief final : public Belief {
  public:
   explicit FakeBelief(std::vector<std::string>& calls) : calls_(calls) {}
 
-  void predict(const Frame& frame, double dt) override {
+  void predict(const Frame& frame, double dt, const TrackRecords& /*records*/) override {
     call("predict");
     camera_.timestamp = frame.timestamp;
     last_dt = dt;
@@ -104,7 +104,7 @@ class FakeBelief final : public Belief {
       if (candidate.track == kRefused) {
         refused.push_back(candidate.track);
       } else {
-        state[candidate.track].is_free = candidate.is_free;
+        state[candidate.track].is_free = candidate.is_free();
       }
     }
   }

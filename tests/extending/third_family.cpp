@@ -67,7 +67,7 @@ class Unscented final : public Belief {
     P_ = sigmas.cwiseAbs2().asDiagonal();
   }
 
-  void predict(const Frame& /*frame*/, double dt) override {
+  void predict(const Frame& /*frame*/, double dt, const TrackRecords& records) override {
     if (dt == 0.0) return;
     const CameraState before = camera_, after = slammot::predict(before, dt);
     camera_ = after;
@@ -75,7 +75,7 @@ class Unscented final : public Belief {
       return VectorXd(boxminus(slammot::predict(boxplus(before, Vector12d(d)), dt), after));
     });
     for (const auto& [track, l] : landmarks_) {
-      if (!l.w.empty()) predict_landmark(joined(l.y, l.w), dt);
+      if (!l.w.empty()) predict_landmark(joined(l.y, l.w), records.at(track).label, dt);
     }
   }
 
@@ -235,9 +235,10 @@ class Unscented final : public Belief {
     S_ += H * P_Ht_;
   }
 
-  void predict_landmark(const Rows& rows, double dt) {
+  void predict_landmark(const Rows& rows, Label label, double dt) {
     const LandmarkVector before = x_(rows), after = functions_.predict(before, dt);
-    const MatrixXd G = functions_.noise_root(after, setup_.prior, dt);
+    const MatrixXd G =
+        functions_.noise_root(after, setup_.prior.noise(label == Label::kMoving), dt);
     x_(rows) = after;
     propagate(rows, G * G.transpose(), [&](const VectorXd& d) {
       return VectorXd(functions_.predict(before + d, dt) - after);
