@@ -25,7 +25,7 @@ def page(output):
         ("lag", figures.lag(comparison)),
         ("runtime", figures.runtime(comparison))) if figure}
     return rendered("compare.html", "page.js", charts, charts=charts, comparison=comparison,
-                    findings=(pooled_verdict if comparison.pooled else verdict).findings(comparison), verdict=verdict, tables=tables, lags=lags,
+                    findings=(pooled_verdict if comparison.pooled else verdict).findings(comparison), verdict=verdict, tables=tables, lags=lags, figures=figures,
                     pictures=pictures.of_runs(output, comparison.runs))
 
 

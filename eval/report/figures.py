@@ -118,7 +118,7 @@ def trajectory(comparison):
     if not framed:
         return None
     return {"data": traces, "layout": layout(
-        640, legend={"x": 1.01, "y": 1, "xanchor": "left", "font": {"size": 12}},
+        640, legend={"x": 1.01, "y": 0.95, "xanchor": "left", "font": {"size": 12}},
         margin={"l": 56, "r": 8, "t": 12, "b": 48},
         modebar={"orientation": "h", "bgcolor": "rgba(0,0,0,0)", "color": "#b3b9c1"},
         xaxis=axis("x [m]", range=around(framed, 0, 2), constrain="domain"),
