@@ -11,6 +11,9 @@ from study_tables import error_name, error_of, estimators_of, is_batch, is_ideal
 FEWEST = 3  # landmarks that make a box
 
 
+MARKERS = "osD^vPX*"  # where lines lie close together
+
+
 FIGURES = {}  # by the name that a study's file gives; eval/study/study.cpp lists the names
 
 
@@ -352,7 +355,7 @@ def lag_line(axis, line, shift, style):
     x = [place * shift for place in lags.places(line.lags)]
     y, low, high = (line.values(which) for which in ("value", "lower", "upper"))
     bars = None if None in low else [[v - l for v, l in zip(y, low)], [h - v for v, h in zip(y, high)]]
-    axis.errorbar(x, y, yerr=bars, fmt="o-", markersize=3.5, linewidth=1.2, capsize=2, **style)
+    axis.errorbar(x, y, yerr=bars, fmt="-", markersize=3.5, linewidth=1.2, capsize=2, **style)
 
 
 @registered
@@ -364,11 +367,12 @@ def lag(plt, summary):
         return None
     figure, rows = grid(plt, len(groups), len(lags.QUANTITIES), 3.6, 3.0)
     colour = colours(summary)
+    place_of = {label: i for i, label in enumerate(colour)}
     for row, (group, cells) in zip(rows, groups):
         for axis, (quantity, name) in zip(row, lags.QUANTITIES):
             shown = [(cell, lines[quantity]) for cell, lines in cells if quantity in lines]
             for place, (cell, line) in zip(centred(len(shown)), shown):
-                lag_line(axis, line, 1.03 ** place, {"color": colour[cell["label"]], "label": cell["label"]})
+                lag_line(axis, line, 1.03 ** place, {"color": colour[cell["label"]], "label": cell["label"], "marker": MARKERS[place_of[cell["label"]] % len(MARKERS)]})
             if quantity == "nees_pose" and shown:
                 expected(axis, lags.NEES_DOF)
             axis.set(title=group["name"], xlabel="lag [frames]", ylabel=name, xscale="log", ylim=(0, None))
