@@ -35,14 +35,18 @@ def line(table, quantity, value_of):
 
 
 def summary_lines(summary, cell):
-    """By quantity, of a study's cell."""
+    """By quantity, of a study's cell; none on measured truth, where errors without alignment are those of frame and scale."""
+    if cell.get("aligned"):
+        return {}
     table = metrics.read_table(summary["metrics"])
     lines = {quantity: line(table, quantity, cell.get) for quantity, _ in QUANTITIES}
     return {quantity: found for quantity, found in lines.items() if found}
 
 
 def estimator_lines(comparison, estimator):
-    """By quantity, of an estimator of a comparison: over its runs, with an interval where there are several."""
+    """By quantity, of an estimator of a comparison: over its runs, with an interval where there are several; none on measured truth."""
+    if comparison.aligned:
+        return {}
     lines = {quantity: line(comparison.table, quantity, estimator.values.get) for quantity, _ in QUANTITIES}
     return {quantity: found for quantity, found in lines.items() if found}
 

@@ -338,6 +338,8 @@ class Report(unittest.TestCase):
         self.assertAlmostEqual(error["error_y"]["array"][1], 0.02)
         self.assertEqual(expected["y"], [6, 6])
         self.assert_drawn(["trajectory", "position_error", "nees", "lag", "runtime"], lines=2)
+        with_measured_truth(self.comparison)
+        self.assertNotIn("Poses at a lag", self.text_of_report(run_files=False))
 
     def test_few_runs_decide_nothing(self):
         pooled(self.comparison)
