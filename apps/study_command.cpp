@@ -42,8 +42,8 @@ Shard parse_shard(const std::string& text) {
 }
 
 int finish(const Study& study, const std::filesystem::path& output,
-           const std::vector<std::filesystem::path>& folders, int jobs, bool mix_programs) {
-  merge_runs(study, folders, output, mix_programs);
+           const std::vector<std::filesystem::path>& folders, int jobs, bool mix) {
+  merge_runs(study, folders, output, mix);
   write_runs_table(study, output);
   write_file(output / "summary.json",
              summarise_study(study, output, provenance(jobs)).dump(1) + '\n');
@@ -57,6 +57,17 @@ int finish(const Study& study, const std::filesystem::path& output,
   }
   fmt::print("{}\n", report->string());
   return 0;
+}
+
+// A recording to which no noise is added is one run, whatever the number of runs.
+std::string runs_text(const Study& study) {
+  std::size_t single = 0;
+  for (std::size_t i = 0; i < study.cells.size(); ++i) {
+    if (study.runs_of(i) < study.runs) ++single;
+  }
+  if (single == study.cells.size()) return "one run of each (recordings without added noise)";
+  return fmt::format("{} runs of each{}", study.runs,
+                     single == 0 ? "" : ", one of a recording without added noise");
 }
 
 int execute(const StudyArguments& arguments) {
@@ -79,13 +90,13 @@ int execute(const StudyArguments& arguments) {
   StudyOptions options;
   options.output = output;
   options.shard = shard;
-  options.mix_programs = arguments.force;
+  options.mix = arguments.force;
   options.jobs =
       arguments.jobs > 0 ? arguments.jobs : static_cast<int>(std::thread::hardware_concurrency());
   Progress progress("run", "runs");
   options.progress = [&](int done, int total) { progress.show(study.name, done, total); };
-  fmt::print("{}: {} scenarios and swept values x estimators, {} runs of each, {} at a time\n",
-             study.name, study.cells.size(), study.runs, options.jobs);
+  fmt::print("{}: {} scenarios and swept values x estimators, {}, {} at a time\n", study.name,
+             study.cells.size(), runs_text(study), options.jobs);
   std::fflush(stdout);
   const int ran = run_study(study, options);
   progress.clear();
@@ -118,7 +129,8 @@ void add_study(CLI::App& app, int& exit_code) {
   command->add_flag("--resume", arguments->resume,
                     "go on with what the folder holds; without --output always");
   command->add_flag("--force", arguments->force,
-                    "take runs that another build of the program made, and mix them");
+                    "take runs that another build of the program made, or that were made of a "
+                    "recording that has changed, and mix them");
   auto* merge =
       command
           ->add_option(

@@ -16,7 +16,7 @@ void add_judge_options(CLI::App& command, JudgeArguments& arguments) {
   command
       .add_option("--error-convention", arguments.convention,
                   "of a pose_covariance.csv made elsewhere: position-first|rotation-first, "
-                  "right|left, global|local|spatial (docs/judge.md)")
+                  "right|left, global|local|spatial (docs/judge.md); one for all runs of a call")
       ->type_name("ORDER,ROTATION,POSITION")
       ->capture_default_str();
   command

@@ -78,8 +78,8 @@ std::size_t settings_in(const std::string& text) {
   for (std::size_t colon = text.find(':'); colon != std::string::npos;
        colon = text.find(':', colon + 1)) {
     const std::size_t end = text.find_first_of(":/=", colon + 1);
-    const bool is_empty = colon + 1 == text.size();
-    if (is_empty || (end != std::string::npos && text[end] == '=')) return colon;
+    const bool nothing_follows = colon + 1 == text.size();
+    if (nothing_follows || (end != std::string::npos && text[end] == '=')) return colon;
   }
   return std::string::npos;
 }

@@ -61,12 +61,13 @@ Json json_of(const JournalIdentity& identity) {
            {{"format", kFormat},
             {"version", identity.version},
             {"program", identity.program},
-            {"configuration", identity.configuration}}}};
+            {"configuration", identity.configuration},
+            {"recordings", identity.recordings}}}};
 }
 
 JournalIdentity identity_in(const Json& head) {
   return {head.at("version").get<std::string>(), head.at("program").get<std::string>(),
-          head.at("configuration").get<std::string>()};
+          head.at("configuration").get<std::string>(), head.value("recordings", "")};
 }
 
 RunKey key_of(const Json& part) {
@@ -104,7 +105,12 @@ class JournalReader {
     if (identity.configuration != rules_.identity.configuration) {
       throw InputError(file_, number, "these runs are of another configuration, or other defaults");
     }
-    if (identity.program != rules_.identity.program && !rules_.mix_programs) {
+    if (identity.recordings != rules_.identity.recordings && !rules_.mix) {
+      throw InputError(file_, number,
+                       "a recorded sequence has changed since these runs: --force goes on all the "
+                       "same and mixes them");
+    }
+    if (identity.program != rules_.identity.program && !rules_.mix) {
       throw InputError(file_, number,
                        fmt::format("these runs were made by another build of the program ({}): "
                                    "--force goes on all the same and mixes them",
@@ -113,7 +119,7 @@ class JournalReader {
   }
 
   void add(const Json& json, std::streamoff offset, int number) {
-    if (!known_ && !rules_.mix_programs) {
+    if (!known_ && !rules_.mix) {
       throw InputError(file_, number,
                        "these runs do not say what program made them: --force takes them");
     }

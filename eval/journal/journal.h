@@ -1,6 +1,7 @@
 // The finished runs of a study as lines of JSON, appended at once.
 //
-//   {"journal": {format, version, program, configuration}}   who made the lines that follow
+//   {"journal": {format, version, program, configuration, recordings}}   who made the lines that
+//   follow
 //   {"result": {cell, seed, ..}, "timing": {cell, seed, ..}} a run, in the order of finishing
 //
 // A line that was being written when the program was killed is no line.
@@ -17,19 +18,21 @@
 namespace slammot {
 
 // What runs depend on. `program`: SHA-256 of the program's file. `configuration`: SHA-256 of all
-// that is set, defaults included.
+// that is set, defaults included. `recordings`: SHA-256 of those of the recorded sequences, empty
+// where there is none.
 struct JournalIdentity {
   std::string version, program, configuration;
+  std::string recordings = {};
 
   bool operator==(const JournalIdentity&) const = default;
 };
 
 // Which journals a study may go on with. Another configuration is always refused, another program
-// unless these are to be mixed.
+// or another content of a recording unless these are to be mixed.
 struct JournalRules {
   JournalIdentity identity;
   int cells = 0;
-  bool mix_programs = false;
+  bool mix = false;
 };
 
 using RunKey = std::pair<int, std::uint64_t>;  // cell, seed

@@ -215,9 +215,11 @@ MetricTable nis_rows() {
 
 // What later measurements buy: the pose of so many frames ago, as it is believed now.
 MetricTable lag_rows() {
+  std::vector<int> lags = {0};
+  lags.insert(lags.end(), std::begin(kLags), std::end(kLags));
   MetricTable rows;
-  for (const int lag : kLags) {
-    const auto row = [&](const char* leaf, const std::string& caption, auto value) {
+  for (const int lag : lags) {
+    const auto row = [&](const char* leaf, const std::string& caption, Pooled how, auto value) {
       const auto of_lag = [=](const FinishedRun& f) {
         const auto found = f.metrics.lagged.find(lag);
         return found == f.metrics.lagged.end() ? kUndefined : value(found->second);
@@ -225,16 +227,17 @@ MetricTable lag_rows() {
       const std::string frames =
           lag == 1 ? " one frame later" : " " + std::to_string(lag) + " frames later";
       Metric metric = detail("lag." + std::to_string(lag), leaf, caption + frames, of_lag);
-      metric.pooled = Pooled::kMean;
+      metric.pooled = how;
       rows.push_back(metric);
     };
-    row("position_rmse_m", "RMSE of the position [m]", [](const TrajectoryMetrics& t) {
+    constexpr Pooled kRms = Pooled::kRootMeanSquare;
+    row("position_rmse_m", "RMSE of the position [m]", kRms, [](const TrajectoryMetrics& t) {
       return t.accuracy.value ? t.accuracy.value->position_rmse : kUndefined;
     });
-    row("rotation_rmse_deg", "RMSE of the rotation [deg]", [](const TrajectoryMetrics& t) {
+    row("rotation_rmse_deg", "RMSE of the rotation [deg]", kRms, [](const TrajectoryMetrics& t) {
       return t.accuracy.value ? t.accuracy.value->rotation_rmse_deg : kUndefined;
     });
-    row("nees_pose", "mean pose NEES", [](const TrajectoryMetrics& t) {
+    row("nees_pose", "mean pose NEES", Pooled::kMean, [](const TrajectoryMetrics& t) {
       return t.consistency.value ? t.consistency.value->pose.mean : kUndefined;
     });
   }

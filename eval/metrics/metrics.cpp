@@ -1,5 +1,7 @@
 #include "eval/metrics/metrics.h"
 
+#include <algorithm>
+
 #include "eval/statistics/chi_square.h"
 
 namespace slammot {
@@ -32,6 +34,22 @@ TrajectoryMetrics trajectory_metrics(const Sequence& sequence,
   } else {
     metrics.consistency.value = pose_consistency(pairs);
   }
+  return metrics;
+}
+
+// Every lag, 0 being the filter, is judged over the same frames: all but the last ones, which the
+// longest lag does not reach. An error that grows would make a long lag look better than it is.
+std::map<int, TrajectoryMetrics> by_lag(const Sequence& sequence, const RunResult& run) {
+  std::map<int, TrajectoryMetrics> metrics;
+  constexpr auto kLongest = static_cast<std::size_t>(*std::ranges::max_element(kLags));
+  if (run.lagged.empty() || run.filtered.size() <= kLongest) return metrics;
+  const std::size_t judged = run.filtered.size() - kLongest;
+  const auto judge = [&](std::vector<CameraEstimate> poses) {
+    poses.resize(std::min(poses.size(), judged));
+    return trajectory_metrics(sequence, poses);
+  };
+  metrics[0] = judge(run.filtered);
+  for (const auto& [lag, poses] : run.lagged) metrics[lag] = judge(poses);
   return metrics;
 }
 
@@ -87,9 +105,7 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
   metrics.warnings = run.warnings;
   metrics.filtered = trajectory_metrics(sequence, run.filtered);
   if (!run.smoothed.empty()) metrics.smoothed = trajectory_metrics(sequence, run.smoothed);
-  for (const auto& [lag, poses] : run.lagged) {
-    metrics.lagged[lag] = trajectory_metrics(sequence, poses);
-  }
+  metrics.lagged = by_lag(sequence, run);
   metrics.failed = failed_at(pair_with_truth(sequence, run.filtered), !sequence.exact_truth);
   judge_landmarks(sequence, run, metrics);
   metrics.classification = classification_metrics(run.classification);

@@ -7,6 +7,7 @@ stderr for bad input, a missing package or a page that cannot be written.
 import sys
 
 import figures
+import lags
 import pictures
 import pooled_verdict
 import tables
@@ -21,9 +22,10 @@ def page(output):
         ("trajectory", figures.trajectory(comparison)),
         ("position_error", figures.position_error(comparison)),
         ("nees", figures.nees(comparison)),
+        ("lag", figures.lag(comparison)),
         ("runtime", figures.runtime(comparison))) if figure}
     return rendered("compare.html", "page.js", charts, charts=charts, comparison=comparison,
-                    findings=(pooled_verdict if comparison.pooled else verdict).findings(comparison), verdict=verdict, tables=tables,
+                    findings=(pooled_verdict if comparison.pooled else verdict).findings(comparison), verdict=verdict, tables=tables, lags=lags, figures=figures,
                     pictures=pictures.of_runs(output, comparison.runs))
 
 

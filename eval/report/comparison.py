@@ -11,8 +11,8 @@ from metrics import read_table
 
 FORMAT = "slammot-compare-1"
 
-# Okabe and Ito's palette, safe for all kinds of colour vision; black is the ground truth.
-RUN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31")
+# Okabe and Ito's palette and two more, in the order that keeps the first ones farthest apart for all kinds of colour vision; black is the ground truth.
+RUN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#56B4E9", "#E69F00", "#CC79A7", "#8C6D31", "#7A5195")
 
 
 class BadInput(Exception):

@@ -4,6 +4,8 @@ A run keeps its colour through all figures. A value that is not defined is None,
 """
 import math
 
+import lags
+
 NEES_DOF = 6
 NEES_INTERVAL = (1.237, 14.449)  # 95% of chi-square(6), two-sided
 INK, MUTED, GRID = "#1b1f24", "#6b7280", "#e7e9ec"
@@ -116,7 +118,7 @@ def trajectory(comparison):
     if not framed:
         return None
     return {"data": traces, "layout": layout(
-        640, legend={"x": 1.01, "y": 1, "xanchor": "left", "font": {"size": 12}},
+        640, legend={"x": 1.01, "y": 0.95, "xanchor": "left", "font": {"size": 12}},
         margin={"l": 56, "r": 8, "t": 12, "b": 48},
         modebar={"orientation": "h", "bgcolor": "rgba(0,0,0,0)", "color": "#b3b9c1"},
         xaxis=axis("x [m]", range=around(framed, 0, 2), constrain="domain"),
@@ -233,6 +235,39 @@ def nees(comparison):
     return {"data": traces, "layout": layout(
         380, xaxis=axis("time [s]"), yaxis=axis("NEES of the pose", type="log",
                                         **log_ticks([v for run in shown for v in clean(run.series["nees_pose"])])))}
+
+
+# --- against lag -----------------------------------------------------------------------------------
+
+def lag_trace(name, line, colour, **more):
+    bars = {}
+    if None not in line.values("lower"):
+        bars = {"error_y": {"type": "data", "symmetric": False, "thickness": 1.2, "width": 3,
+                            "array": [e["upper"] - e["value"] for e in line.estimates],
+                            "arrayminus": [e["value"] - e["lower"] for e in line.estimates]}}
+    return {"type": "scatter", "mode": "lines+markers", "name": name, "x": lags.places(line.lags), "y": line.values(),
+            "text": [f"lag {lag}" for lag in line.lags], "hovertemplate": "%{text}: %{y:.3g}", "line": {"color": colour, "width": 1.8},
+            "legendgroup": name, **bars, **more}
+
+
+def lag(comparison):
+    """Position error and NEES, side by side, of the estimators that keep past poses; None where there are none."""
+    names = {run.label: run.name for run in comparison.runs}
+    panels = (("position_rmse_m", "", {}), ("nees_pose", "2", {"xaxis": "x2", "yaxis": "y2"}))
+    found = [(names.get(e.name, e.name), e.colour, lags.estimator_lines(comparison, e)) for e in comparison.estimators]
+    traces = [lag_trace(name, lines[quantity], colour, showlegend=not panel, **axes)
+              for quantity, panel, axes in panels for name, colour, lines in found if quantity in lines]
+    if not traces:
+        return None
+    known = sorted({lag for *_, lines in found for line in lines.values() for lag in line.lags})
+    if any("nees_pose" in lines for *_, lines in found):
+        ends = lags.places([known[0], known[-1]])
+        traces.append(line(f"expected: {NEES_DOF}", ends, [NEES_DOF, NEES_DOF], INK, dash="dash", width=1.2, xaxis="x2", yaxis="y2"))
+    ticks = {"type": "log", "tickvals": lags.places(known), "ticktext": [str(lag) for lag in known]}
+    titles = dict(lags.QUANTITIES)
+    return {"data": traces, "layout": layout(
+        380, xaxis=axis("lag [frames]", domain=[0.0, 0.45], **ticks), yaxis=axis(titles["position_rmse_m"], rangemode="tozero"),
+        xaxis2=axis("lag [frames]", domain=[0.57, 1.0], anchor="y2", **ticks), yaxis2=axis(titles["nees_pose"], rangemode="tozero", anchor="x2"))}
 
 
 # --- cost ------------------------------------------------------------------------------------------

@@ -9,6 +9,12 @@ async function unpacked(id) {
   return new Response(stream).text();
 }
 
+// A legend beside the plot goes below it where the page is narrow.
+function make_room(layout) {
+  if (layout.legend.x <= 1 || window.innerWidth > 820) return;
+  Object.assign(layout.legend, {orientation: "h", x: 0, xanchor: "left", y: -0.12, yanchor: "top"});
+}
+
 async function draw() {
   const library = document.createElement("script");
   library.textContent = await unpacked("plotly");
@@ -17,6 +23,7 @@ async function draw() {
   const options = {responsive: true, displaylogo: false,
                    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"]};
   for (const [name, figure] of Object.entries(charts)) {
+    make_room(figure.layout);
     await Plotly.newPlot(`chart-${name}`, figure.data, figure.layout, options);
   }
   return Object.keys(charts);

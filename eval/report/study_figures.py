@@ -2,12 +2,16 @@
 import pathlib
 from dataclasses import dataclass
 
+import lags
 import metrics
 from comparison import RUN_COLOURS, BadInput
 from study_axes import around, expected, explain, finite, grid, legend_above, pyplot
 from study_tables import error_name, error_of, estimators_of, is_batch, is_ideal, plain, value_of
 
 FEWEST = 3  # landmarks that make a box
+
+
+MARKERS = "osD^vPX*"  # where lines lie close together
 
 
 FIGURES = {}  # by the name that a study's file gives; eval/study/study.cpp lists the names
@@ -346,6 +350,38 @@ def error_axes(plt, summary):
     return figure, ("Error of each axis", "True less estimated pose of the first run: position in the world, rotation in the camera. Shaded: three standard deviations as stated.")
 
 
+def lag_line(axis, line, shift, style):
+    """A quantity against the lag, with its interval over runs; a little aside, so that bars of equal lags stand apart."""
+    x = [place * shift for place in lags.places(line.lags)]
+    y, low, high = (line.values(which) for which in ("value", "lower", "upper"))
+    bars = None if None in low else [[v - l for v, l in zip(y, low)], [h - v for v, h in zip(y, high)]]
+    axis.errorbar(x, y, yerr=bars, fmt="-", markersize=3.5, linewidth=1.2, capsize=2, **style)
+
+
+@registered
+def lag(plt, summary):
+    """None where no estimator keeps past poses."""
+    groups = [(group, [(cell, lines) for cell in plotted(group) if (lines := lags.summary_lines(summary, cell))]) for group in summary["groups"]]
+    groups = [(group, cells) for group, cells in groups if cells]
+    if not groups:
+        return None
+    figure, rows = grid(plt, len(groups), len(lags.QUANTITIES), 3.6, 3.0)
+    colour = colours(summary)
+    place_of = {label: i for i, label in enumerate(colour)}
+    for row, (group, cells) in zip(rows, groups):
+        for axis, (quantity, name) in zip(row, lags.QUANTITIES):
+            shown = [(cell, lines[quantity]) for cell, lines in cells if quantity in lines]
+            for place, (cell, line) in zip(centred(len(shown)), shown):
+                lag_line(axis, line, 1.03 ** place, {"color": colour[cell["label"]], "label": cell["label"], "marker": MARKERS[place_of[cell["label"]] % len(MARKERS)]})
+            if quantity == "nees_pose" and shown:
+                expected(axis, lags.NEES_DOF)
+            axis.set(title=group["name"], xlabel="lag [frames]", ylabel=name, xscale="log", ylim=(0, None))
+            known = sorted({lag for _, line in shown for lag in line.lags})
+            axis.set_xticks(lags.places(known), known)
+            axis.minorticks_off()
+    return figure, ("Poses at a lag", f"{lags.EXPLAINED} Bars: 95% bootstrap intervals over runs (2000 resamples). Dashed: a consistent estimator.")
+
+
 def drawn(plt, summary, name):
     name, _, parameter = name.partition(":")
     return against_sweep(plt, summary, parameter) if parameter else FIGURES[name](plt, summary)
@@ -364,7 +400,10 @@ def draw_all(summary, folder):
             continue  # a table
         if not any(plotted(group) for group in summary["groups"]):
             break  # every run failed at once: the tables say so
-        figure, (title, caption) = drawn(plt, summary, name)
+        made = drawn(plt, summary, name)
+        if made is None:
+            continue
+        figure, (title, caption) = made
         figure.tight_layout()
         legend_above(figure)
         figure.savefig(folder / f"{file_of(name)}.pdf", metadata={"CreationDate": None}, bbox_inches="tight")

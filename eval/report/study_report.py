@@ -21,7 +21,7 @@ def tables_of(summary):
     tables |= {"summary": study_tables.summary_table(summary),
               "consistency": study_tables.consistency_table(summary),
               "nees_by_run": study_tables.nees_by_run_table(summary), "classification": study_tables.classification_table(summary),
-              "pairs": study_tables.pairs_table(summary), "metrics": study_tables.metrics_table(summary),
+              "pairs": study_tables.pairs_table(summary), "lags": study_tables.lags_table(summary), "metrics": study_tables.metrics_table(summary),
               "coverage": study_tables.measurements_table(summary)}
     return {name: table for name, table in tables.items() if table.rows}
 

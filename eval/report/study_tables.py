@@ -4,6 +4,7 @@ import io
 import math
 from dataclasses import dataclass, field
 
+import lags
 import metrics
 
 
@@ -264,9 +265,21 @@ def metric_cell(metric, cell, which):
     return with_interval(cell.get(which + metric.key))
 
 
+def lags_table(summary):
+    """A row for each lag of the estimators that keep past poses."""
+    rows = []
+    for group, cell in estimators_of(summary):
+        lines = lags.summary_lines(summary, cell)
+        for k, lag in enumerate(next(iter(lines.values())).lags if lines else []):
+            estimates = [lines[quantity].estimates[k] if quantity in lines else None for quantity, _ in lags.QUANTITIES]
+            rows.append([group["name"], cell["label"], str(lag), *map(with_interval, estimates)])
+    return Table("Poses at a lag", f"{lags.EXPLAINED} Brackets: 95% bootstrap intervals over runs (2000 resamples).",
+                 ["scenario", "estimator", "lag [frames]", *(name for _, name in lags.QUANTITIES)], rows)
+
+
 def metrics_table(summary):
-    """A column for each metric that is pooled over runs and defined in some cell."""
-    pooled = [m for m in metrics.read_table(summary["metrics"]).values() if m.pooled != "not"]
+    """A column for each metric that is pooled over runs and defined in some cell; the lags have a table of their own."""
+    pooled = [m for m in metrics.read_table(summary["metrics"]).values() if m.pooled != "not" and not lags.is_of_lag(m.key)]
     columns = [(m, which) for m in pooled for which in (("filtered_", "smoothed_") if m.of == "trajectory" else ("",))]
     cells = [(group, cell) for group, cell in estimators_of(summary) if "anees" in cell]
     columns = [(m, which) for m, which in columns

@@ -103,6 +103,10 @@ def most_runs(summary):
     return max(cell["runs"] for group in summary["groups"] for cell in group["cells"])
 
 
+def runs_differ(summary):
+    return any(cell["runs"] != most_runs(summary) for group in summary["groups"] for cell in group["cells"])
+
+
 SEEDS = {"simulations": "Each seed is another simulation of the scenario.",
          "noise": "Each seed is another draw of the noise added to one recording: intervals are over draws, not over sequences.",
          "one run": "A recording to which no noise is added is one run: it has no interval."}

@@ -173,6 +173,11 @@ def labelled(runs):
     return [run for run in runs if run.labels or classification(run)]
 
 
+def configured(runs):
+    """Not those made elsewhere, of which nothing is known."""
+    return [run for run in runs if run.configuration]
+
+
 def configuration(runs):
     """(keys all runs share, keys that differ): lists of (key, values); one value where shared."""
     keys = list(dict.fromkeys(key for run in runs for key in run.configuration))

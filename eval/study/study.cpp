@@ -256,12 +256,13 @@ class Reader {
 };
 
 // A scenario's parameters are known only to its simulator, which checks them; a sequence is read.
-void try_scenarios(const std::filesystem::path& file, const Study& study) {
+void try_scenarios(const std::filesystem::path& file, Study& study) {
   std::set<std::string> tried;
   for (const StudyCell& cell : study.cells) {
     if (!tried.insert(cell.group).second) continue;
     try {
-      study_sequence(cell, study.first_seed);
+      const Sequence sequence = study_sequence(cell, study.first_seed);
+      if (!cell.sequence.empty()) study.recordings[cell.sequence.string()] = sequence.sha256;
     } catch (const std::invalid_argument& error) {
       throw InputError(file, 0, error.what());
     }

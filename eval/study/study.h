@@ -51,6 +51,8 @@ struct Study {
   int runs = 50;
   std::uint64_t first_seed = 1;
   std::vector<StudyCell> cells;
+  std::map<std::string, std::string>
+      recordings;                    // SHA-256 of each recorded sequence, by its folder
   std::vector<int> tracks;           // landmarks whose velocity is recorded in every frame
   std::vector<std::string> figures;  // what the report draws
   std::optional<ReferenceLabels> reference;

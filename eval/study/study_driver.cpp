@@ -10,7 +10,7 @@ namespace slammot {
 int run_study(const Study& study, const StudyOptions& options) {
   Journal journal(options.output, options.shard.journal(), identity_of(study));
   const std::set<RunKey> finished =
-      finished_runs(study, options.output, options.mix_programs);  // of nobody else from now on
+      finished_runs(study, options.output, options.mix);  // of nobody else from now on
   const int cells = static_cast<int>(study.cells.size());
   // All cells of one seed first, so that what an interrupted study leaves is paired.
   std::vector<int> tasks;

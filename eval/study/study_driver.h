@@ -11,7 +11,7 @@ struct StudyOptions {
   std::filesystem::path output;
   Shard shard;
   int jobs = 1;
-  bool mix_programs = false;                          // see JournalRules
+  bool mix = false;                                   // see JournalRules
   std::function<void(int done, int total)> progress;  // called under a lock; may be empty
 };
 

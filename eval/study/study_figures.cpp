@@ -12,10 +12,18 @@
 namespace slammot {
 namespace {
 
-constexpr std::string_view kFigures[] = {
-    "ranking",   "camera_error", "landmark_error", "classification", "classification_against_sweep",
-    "velocity",  "trade_off",    "anees",          "landmark_anees", "anees_by_age",
-    "error_axes"};
+constexpr std::string_view kFigures[] = {"ranking",
+                                         "camera_error",
+                                         "landmark_error",
+                                         "classification",
+                                         "classification_against_sweep",
+                                         "velocity",
+                                         "trade_off",
+                                         "anees",
+                                         "landmark_anees",
+                                         "anees_by_age",
+                                         "error_axes",
+                                         "lag"};
 constexpr std::string_view kAgainstSweep = "against_sweep:";
 constexpr std::string_view kAnees[] = {"anees_pose", "anees_position", "anees_rotation"};
 

@@ -41,8 +41,15 @@ std::string configuration_sha256(const Study& study) {
   return hash.hex();
 }
 
-JournalRules rules_of(const Study& study, bool mix_programs) {
-  return {identity_of(study), static_cast<int>(study.cells.size()), mix_programs};
+std::string recordings_sha256(const Study& study) {
+  if (study.recordings.empty()) return "";
+  Sha256 hash;
+  for (const auto& [folder, sha256] : study.recordings) hash.add(folder + ' ' + sha256 + '\n');
+  return hash.hex();
+}
+
+JournalRules rules_of(const Study& study, bool mix) {
+  return {identity_of(study), static_cast<int>(study.cells.size()), mix};
 }
 
 bool is_of(const Study& study, const fs::path& folder) {
@@ -56,7 +63,7 @@ bool is_of(const Study& study, const fs::path& folder) {
 }  // namespace
 
 JournalIdentity identity_of(const Study& study) {
-  return {SLAMMOT_VERSION, program_sha256(), configuration_sha256(study)};
+  return {SLAMMOT_VERSION, program_sha256(), configuration_sha256(study), recordings_sha256(study)};
 }
 
 // SplitMix64 (Steele, Lea and Flood 2014).
@@ -69,17 +76,17 @@ std::uint64_t Shard::scattered(int task) {
 
 std::string Shard::journal() const { return fmt::format("journal-{}-of-{}.jsonl", index, count); }
 
-std::set<RunKey> finished_runs(const Study& study, const fs::path& folder, bool mix_programs) {
+std::set<RunKey> finished_runs(const Study& study, const fs::path& folder, bool mix) {
   std::map<RunKey, RunPlace> places;
-  add_journals(folder, rules_of(study, mix_programs), places);
+  add_journals(folder, rules_of(study, mix), places);
   std::set<RunKey> keys;
   for (const auto& [key, place] : places) keys.insert(key);
   return keys;
 }
 
 void merge_runs(const Study& study, const std::vector<fs::path>& folders, const fs::path& output,
-                bool mix_programs) {
-  const JournalRules rules = rules_of(study, mix_programs);
+                bool mix) {
+  const JournalRules rules = rules_of(study, mix);
   std::map<RunKey, RunPlace> places;
   for (const fs::path& folder : folders) {
     if (!fs::is_directory(folder)) refuse(folder, "is no folder");

@@ -37,14 +37,13 @@ struct Shard {
 JournalIdentity identity_of(const Study& study);
 
 // The runs in the journals of this folder. Throws InputError for a line that is none of this study,
-// or, unless `mix_programs`, of another build of the program.
-std::set<RunKey> finished_runs(const Study& study, const std::filesystem::path& folder,
-                               bool mix_programs);
+// or, unless `mix`, of another build of the program or of a recording that has changed.
+std::set<RunKey> finished_runs(const Study& study, const std::filesystem::path& folder, bool mix);
 
 // Writes results.jsonl and timing.jsonl into `output` from the journals of all `folders`. Throws
 // std::invalid_argument when runs are missing, naming one.
 void merge_runs(const Study& study, const std::vector<std::filesystem::path>& folders,
-                const std::filesystem::path& output, bool mix_programs);
+                const std::filesystem::path& output, bool mix);
 
 // Marks the folder as this study's. Throws std::invalid_argument when it is another's, when it has
 // other files, or when it has runs of this shard and `resume` is false.

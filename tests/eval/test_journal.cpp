@@ -66,6 +66,13 @@ TEST_F(JournalTest, RefusesAnotherProgramUnlessMixed) {
   EXPECT_EQ(places({kMine, 2, true}).size(), 2u);
 }
 
+TEST_F(JournalTest, RefusesRunsOfARecordingThatHasChangedUnlessMixed) {
+  append(0, 1);
+  append(1, 1, {"1", "program", "configuration", "recording"});
+  EXPECT_NE(refusal().find("jsonl:3: a recorded sequence has changed"), std::string::npos);
+  EXPECT_EQ(places({kMine, 2, true}).size(), 2u);
+}
+
 TEST_F(JournalTest, NamesFileAndLineOfWhatIsNoRun) {
   const std::string head = R"({"journal": {"version": "1", "program": "program", )"
                            R"("configuration": "configuration"}})";

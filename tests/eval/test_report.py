@@ -108,6 +108,7 @@ METRICS = [
     metric_row("nis_expected", "nis.expected_mean", "run", "expected NIS", on_page=False),
     metric_row("nis_mean", "nis.mean", "run", "NIS", better="neither", expected="nis_expected"),
     metric_row("frame_median_ms", "runtime.frame_median_ms", "run", "time per frame", "ms"),
+    *(metric_row(f"lag.{lag}.{leaf}", f"lag.{lag}.{leaf}", "run", leaf, on_page=False) for lag in (0, 4) for leaf in ("position_rmse_m", "nees_pose")),
     metric_row("path_length_m", "path_length_m", "run", "length of the path", "km", better="larger"),
 ]
 
@@ -321,8 +322,24 @@ class Report(unittest.TestCase):
         self.assertIn("ekf is consistent within its interval: ANEES of the pose 6.2 [5.58, 6.82] (6 expected)", text)
         self.assertIn("mine is overconfident: ANEES of the pose 9 [8.1, 9.9]", text)
         self.assertIn("mine: 2 of 12 runs failed", text)
+        self.assertNotIn("Poses at a lag", text)
         self.assertIn("0.120 0.108 to 0.132", text)
         self.assert_drawn(["trajectory", "position_error", "nees", "runtime"], lines=2)  # one for each estimator
+
+    def test_poses_at_a_lag_of_who_keeps_them(self):
+        pooled(self.comparison)
+        kept = self.comparison["estimators"][1]["values"]
+        for lag, rmse, nees in ((0, 0.2, 9.0), (4, 0.1, 7.0)):
+            kept[f"lag.{lag}.position_rmse_m"] = {"value": rmse, "lower": 0.9 * rmse, "upper": 1.2 * rmse, "runs": 12}
+            kept[f"lag.{lag}.nees_pose"] = {"value": nees, "lower": nees, "upper": nees, "runs": 12}
+        self.assertIn("Poses at a lag", self.text_of_report())
+        error, nees, expected = self.charts()["lag"]["data"]
+        self.assertEqual((error["name"], error["x"], error["y"], nees["y"]), ("mine", [1, 5], [0.2, 0.1], [9.0, 7.0]))
+        self.assertAlmostEqual(error["error_y"]["array"][1], 0.02)
+        self.assertEqual(expected["y"], [6, 6])
+        self.assert_drawn(["trajectory", "position_error", "nees", "lag", "runtime"], lines=2)
+        with_measured_truth(self.comparison)
+        self.assertNotIn("Poses at a lag", self.text_of_report(run_files=False))
 
     def test_few_runs_decide_nothing(self):
         pooled(self.comparison)

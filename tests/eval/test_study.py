@@ -283,14 +283,34 @@ figures: [camera_error, anees, trade_off]
         self.assertAlmostEqual(runs[0]["filtered"]["sim3_scale"], 2.0, delta=0.2)
         slammot("study", study, "--resume", "--output", folder)  # nothing is missing
 
+    def test_a_recording_that_has_changed_is_refused(self):
+        shutil.copytree(self.recorded(), self.folder / "changing")
+        study = self.recorded_study("changes", "{sequence: changing}")
+        folder = self.folder / "changes"
+        begun = slammot("study", study, "--shard", "1/2", "--output", folder).stdout
+        self.assertIn("one run of each (recordings without added noise)", begun)
+        observations = self.folder / "changing" / "observations.csv"
+        lines = observations.read_text().splitlines(keepends=True)
+        observations.write_text("".join(lines[:-1]))
+        slammot("study", study, "--shard", "2/2", "--resume", "--output", self.folder / "changes2")
+        shutil.copy(self.folder / "changes2" / "journal-2-of-2.jsonl", folder)
+        for command in ("--resume", "--merge"):
+            said = slammot("study", study, command, "--output", folder, code=2).stderr
+            self.assertRegex(said, r"\A[^\n]*journal-1-of-2\.jsonl:1: a recorded sequence has changed[^\n]*--force[^\n]*\n\Z")
+        slammot("study", study, "--merge", "--force", "--output", folder)
+
     def test_bad_recordings_are_refused_in_one_line(self):
         self.recorded()
+        images = self.folder / "images"
+        if not images.exists():
+            images.mkdir()
+            (images / "rgb.txt").write_text("0.0 rgb/0.png\n")
         blind = self.folder / "blind"
         if not blind.exists():
             slammot("simulate", "circle", "--set", "frames=5", "--output", blind)
             for name in ("groundtruth.tum", "landmarks.csv"):
                 (blind / name).unlink()
-        for scenarios, reason in (("{sequence: nowhere}", "nowhere"), ("{sequence: blind}", "no true poses"),
+        for scenarios, reason in (("{sequence: nowhere}", "nowhere"), ("{sequence: blind}", "no true poses"), ("{sequence: images}", "slammot track"),
                                   ("{sequence: recorded, scenario: circle}", "scenario"), ("{sequence: recorded, set: {frames: 3}}", "no parameter 'frames'"),
                                   ("{sequence: recorded, set: {noise: -1}}", "noise"), ("{sequence: recorded, set: {noise: nan}}", "noise")):
             error = slammot("study", self.recorded_study("bad_recording", scenarios), "--output", self.folder / "bad", code=2).stderr
@@ -339,6 +359,36 @@ figures: [camera_error, anees, trade_off]
         self.assertGreater(landmarks, 10)
         self.assertGreater(int(dom.split('data-marks="')[1].split('"')[0]), landmarks)  # what Plotly holds
         self.assertEqual(dom.count('<img src="data:image/png;base64,'), len(FIGURES))
+
+    def test_poses_at_a_lag(self):
+        """Of the estimators that keep past poses, judged over the same frames at each lag; the others have none."""
+        study = self.folder / "lag.yaml"
+        study.write_text("""format: slammot-study-1
+name: lag
+runs: 2
+scenarios: [{scenario: circle, set: {frames: 50}}]
+estimators:
+  - {estimator: ekf}
+  - {estimator: ekf, label: ekf lag 3, set: {ekf.lag: 3}}
+  - {estimator: window, label: window 3, set: {window.frames: 3}}
+figures: [lag]
+""", encoding="utf-8")
+        folder = self.folder / "lag"
+        slammot("study", study, "--output", folder)
+        rows = [line.split(",")[1:3] for line in (folder / "tables" / "lags.csv").read_text(encoding="utf-8").splitlines()]
+        self.assertEqual(rows, [["estimator", "lag [frames]"], *([label, lag] for label in ("ekf lag 3", "window 3") for lag in "012")])
+        self.assertNotIn("lag", (folder / "tables" / "metrics.csv").read_text(encoding="utf-8").splitlines()[0])
+        self.assertGreater((folder / "figures" / "lag.png").stat().st_size, 5000)
+        self.assertIn("<h2>Poses at a lag</h2>", (folder / "report.html").read_text(encoding="utf-8"))
+
+    def test_without_lags_none_are_drawn(self):
+        study = self.folder / "no_lag.yaml"
+        study.write_text(f"{STUDY}figures: [lag]\n", encoding="utf-8")  # shorter than the longest lag
+        folder = self.folder / "no_lag"
+        slammot("study", study, "--runs", 1, "--output", folder)
+        self.assertFalse((folder / "figures" / "lag.png").exists())
+        self.assertFalse((folder / "tables" / "lags.csv").exists())
+        self.assertNotIn("Poses at a lag", (folder / "report.html").read_text(encoding="utf-8"))
 
 
 if __name__ == "__main__":
