@@ -73,21 +73,26 @@ class ThesisClassifier final : public Classifier {
 
 // Posterior odds of static to moving: the prior odds times the Savage-Dickey ratio, the density of
 // w at rest now over that at first sight (Dickey 1971). Static needs more than odds: two well known
-// directions can outweigh a third along which any speed could still hide.
+// directions can outweigh a third along which any speed could still hide. What was found to move is
+// at rest again only against the evidence that it moved: its noise lets the belief forget that.
 class OddsClassifier final : public Classifier {
  public:
   explicit OddsClassifier(const ClassifierOptions& options) : options_(options) {}
 
-  Label decide(const MotionBelief& belief, ClassifierMemory& /*memory*/) const override {
+  Label decide(const MotionBelief& belief, ClassifierMemory& memory) const override {
     const MotionMatrix prior = belief.prior_sigmas.cwiseAbs2().asDiagonal().toDenseMatrix();
     const auto now = log_density_at_zero(belief.w, belief.covariance);
     const auto before = log_density_at_zero(MotionVector::Zero(belief.w.size()), prior);
     if (!now || !before) return Label::kUnknown;
     const double log_odds = std::log(options_.prior_odds) + *now - *before;
     const double decisive = std::log(options_.decisive_odds);
-    if (log_odds < -decisive) return Label::kMoving;
+    if (log_odds < -decisive) {
+      memory = {decisive};
+      return Label::kMoving;
+    }
+    const double against = memory.empty() ? 0.0 : memory.front();
     const bool could_hide = hidden_speed(belief) > options_.hidden_speed;
-    return log_odds > decisive && !could_hide ? Label::kStatic : Label::kUnknown;
+    return log_odds - against > decisive && !could_hide ? Label::kStatic : Label::kUnknown;
   }
 
  private:

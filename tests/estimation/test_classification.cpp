@@ -100,6 +100,17 @@ TEST(Odds, ASpeedAlongTheLineOfSightMayHide) {
   EXPECT_EQ(decide(options, b), Label::kStatic);
 }
 
+TEST(Odds, OfWhatMovedMustOutweighThatItMoved) {
+  const auto classifier = make_classifier(odds(), {});
+  ClassifierMemory memory;
+  EXPECT_EQ(classifier->decide(belief({10, 0, 0}, 0.1), memory), Label::kMoving);
+  // The belief has forgotten: odds of 1e3 suffice at first sight, not now, when 1e4 are asked.
+  ClassifierMemory none;
+  EXPECT_EQ(classifier->decide(belief({0, 0, 0}, 0.1), none), Label::kStatic);
+  EXPECT_EQ(classifier->decide(belief({0, 0, 0}, 0.1), memory), Label::kUnknown);
+  EXPECT_EQ(classifier->decide(belief({0, 0, 0}, 0.04), memory), Label::kStatic);
+}
+
 TEST(Odds, HaveNoUnit) {
   // The same scene in other units of length, and in u = rho v at rho = 0.2.
   for (const double sigma : {0.1, 0.25, 0.35}) {
