@@ -26,6 +26,11 @@ FrameGate::Block FrameGate::S(std::size_t i, std::size_t j) const {
   return (*S_).block<2, 2>(row(i), row(j));
 }
 
+bool FrameGate::accepts_moved(const FrameInnovation& frame, std::size_t i, double moved_px) const {
+  const Block moved = moved_px * moved_px * Block::Identity();
+  return squared(frame.nu[i], S(i, i) + moved) <= given_others_;
+}
+
 void FrameGate::sort(const FrameInnovation& frame) {
   const std::size_t n = frame.z.size();
   S_.resize(row(n), row(n));

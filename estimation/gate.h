@@ -46,6 +46,8 @@ class FrameGate {
   bool accepts_alone(std::size_t i) const { return nis_[i] <= alone_; }
   double nis(std::size_t i) const { return nis_[i]; }                            // on its own
   double nis_given_others(std::size_t i) const { return nis_given_others_[i]; }  // those accepted
+  // Whether it would pass if its landmark had moved by so many pixels (one sigma, either way).
+  bool accepts_moved(const FrameInnovation& frame, std::size_t i, double moved_px) const;
   double joint_nis() const { return joint_nis_; }  // nu' S^-1 nu of all accepted
 
  private:

@@ -1,5 +1,6 @@
 #include "estimation/label_policy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -28,6 +29,14 @@ void note_innovation(TrackRecord& record, double nis, const LabelOptions& option
   kept.reserve(static_cast<std::size_t>(options.window));
   if (std::ssize(kept) == options.window) kept.erase(kept.begin());
   kept.push_back(nis);
+}
+
+double moved_px(const TrackRecord& record, const Camera& camera, double dt) {
+  constexpr double kNear = 2.0;  // sigmas of the inverse depth
+  const LandmarkPrior& prior = record.prior;
+  const double near = prior.inverse_depth + kNear * prior.inverse_depth_sigma;
+  const double metres = prior.velocity_sigma() * dt * (record.unused_frames + 1);
+  return std::max(camera.fx, camera.fy) * near * metres;
 }
 
 double log_tail(const TrackRecord& record) {

@@ -8,6 +8,7 @@
 
 #include "estimation/options.h"
 #include "estimation/track_policy.h"
+#include "models/camera.h"
 
 namespace slammot {
 
@@ -23,6 +24,11 @@ bool watches_innovations(const LabelOptions& options);
 // The NIS of a measurement of a static landmark given all other measurements of its frame; of one
 // that did not pass the gate, that of its innovation. One known beforehand stays static.
 void note_innovation(TrackRecord& record, double nis, const LabelOptions& options);
+
+// How far in the image a near moving point of the stated prior gets, one sigma, in the time since
+// the last measurement of this landmark that was used, `dt` [s] a frame. What lies farther off is a
+// wrong match, and says nothing of a label.
+double moved_px(const TrackRecord& record, const Camera& camera, double dt);
 
 // The logarithm of the probability that the latest innovations of a static landmark are as large
 // as they are: each NIS is chi-square(2), and their sum over n frames chi-square(2n).

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "datasets/simulation/scene/path.h"
+#include "datasets/simulation/path.h"
 
 namespace slammot {
 

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "datasets/simulation/scene/path.h"
+#include "datasets/simulation/path.h"
 
 namespace slammot {
 

@@ -65,12 +65,13 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   FrameReport report;
   stages.begin("predict");
   manager_->retire_leaving(*belief_, report);
-  belief_->predict(frame, time_since_last(frame), manager_->records());
+  const double dt = time_since_last(frame);
+  belief_->predict(frame, dt, manager_->records());
   manager_->add_known(frame, *belief_, report);
   manager_->end_probation(frame, *belief_, report);
 
   stages.begin("gate");
-  gate(frame, report);
+  gate(frame, dt, report);
 
   stages.begin("update");
   belief_->update(manager_->records(), accepted_, stages);
@@ -85,7 +86,7 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   manager_->learn_depths(accepted_, *belief_);
 
   stages.begin("classify");
-  manager_->record(frame.index, accepted_, rejected_, out_of_view_);
+  manager_->record(frame.index, accepted_, unused_);
   const std::vector<int>& now_static = manager_->classify(frame.index, accepted_, *belief_);
   stages.begin("collapse");
   if (!now_static.empty()) belief_->collapse(now_static);
@@ -110,12 +111,12 @@ double FrameLoop::time_since_last(const Frame& frame) {
   return dt;
 }
 
-void FrameLoop::gate(const Frame& frame, FrameReport& report) {
+void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
   measured_.clear();
   in_view_.clear();
   accepted_.clear();
   rejected_.clear();
-  out_of_view_.clear();
+  unused_.clear();
   for (const Observation& z : frame.observations) {
     if (manager_->knows(z.track)) measured_.push_back(z);
   }
@@ -129,22 +130,25 @@ void FrameLoop::gate(const Frame& frame, FrameReport& report) {
       report.accepted_static += manager_->records().at(z.track).label == Label::kStatic ? 1 : 0;
       report.nis_sum += gate_.nis(i);
     } else {
+      unused_.push_back(z.track);
+      const double moved = moved_px(manager_->records().at(z.track), setup_.camera, dt);
+      if (!gate_.accepts_moved(innovation_, i, moved)) continue;
       rejected_.push_back(
           {z.track, gate_.accepts_alone(i) ? gate_.nis_given_others(i) : gate_.nis(i)});
     }
   }
   report.joint_nis = gate_.joint_nis();
+  report.accepted = static_cast<int>(accepted_.size());
+  report.rejected = static_cast<int>(unused_.size());
+  report.out_of_view = static_cast<int>(measured_.size() - in_view_.size());
   auto expected = in_view_.begin();
   for (const Observation& z : measured_) {
     if (expected != in_view_.end() && expected->track == z.track) {
       ++expected;
     } else {
-      out_of_view_.push_back(z.track);
+      unused_.push_back(z.track);
     }
   }
-  report.accepted = static_cast<int>(accepted_.size());
-  report.rejected = static_cast<int>(rejected_.size());
-  report.out_of_view = static_cast<int>(out_of_view_.size());
 }
 
 CameraEstimate FrameLoop::camera() const {

@@ -41,7 +41,7 @@ class FrameLoop final : public Estimator {
   FrameReport start_over(const TrackRecords& before, StageListener& stages);
   FrameReport advance(const Frame& frame, StageListener& stages);
   double time_since_last(const Frame& frame);
-  void gate(const Frame& frame, FrameReport& report);
+  void gate(const Frame& frame, double dt, FrameReport& report);
 
   Setup setup_;
   ModelOptions models_;
@@ -59,8 +59,8 @@ class FrameLoop final : public Estimator {
   // Of the frame in hand; kept for their memory.
   std::vector<Observation> measured_, in_view_, accepted_;
   FrameInnovation innovation_;
-  std::vector<LeaveOneOut> rejected_, given_others_;
-  std::vector<int> out_of_view_;
+  std::vector<LeaveOneOut> rejected_, given_others_;  // rejected ones that a motion explains
+  std::vector<int> unused_;                           // tracks: rejected, or not expected in view
   std::vector<LandmarkPoint> points_;
 };
 

@@ -59,12 +59,10 @@ void LandmarkManager::add_known(const Frame& frame, Belief& belief, FrameReport&
 }
 
 void LandmarkManager::record(int frame, std::span<const Observation> accepted,
-                             std::span<const LeaveOneOut> rejected,
-                             std::span<const int> out_of_view) {
+                             std::span<const int> unused) {
   for (auto& [track, record] : records_) ++record.unused_frames;
   for (const Observation& z : accepted) note_accepted(records_.at(z.track), frame);
-  for (const LeaveOneOut& z : rejected) note_rejected(records_.at(z.track));
-  for (const int track : out_of_view) note_rejected(records_.at(track));
+  for (const int track : unused) note_rejected(records_.at(track));
 }
 
 void LandmarkManager::note_innovations(std::span<const LeaveOneOut> innovations) {

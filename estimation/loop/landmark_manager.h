@@ -24,8 +24,7 @@ class LandmarkManager {
   // In the order of the frame (frame_loop.cpp). `report` counts what happened.
   void retire_leaving(Belief& belief, FrameReport& report);
   void add_known(const Frame& frame, Belief& belief, FrameReport& report);
-  void record(int frame, std::span<const Observation> accepted,
-              std::span<const LeaveOneOut> rejected, std::span<const int> out_of_view);
+  void record(int frame, std::span<const Observation> accepted, std::span<const int> unused);
   bool watches_innovations() const { return slammot::watches_innovations(models_.labels); }
   void note_innovations(std::span<const LeaveOneOut> innovations);
   void learn_depths(std::span<const Observation> accepted, Belief& belief);

@@ -213,6 +213,26 @@ MetricTable nis_rows() {
                           &N::joint_mean))};
 }
 
+// A run that ended early has said so.
+bool warned(const RunMetrics& m) { return m.diverged || !m.warnings.empty(); }
+bool failed_silently(const RunMetrics& m) { return m.failed && !warned(m); }
+
+// What a run says against itself, without truth (self_check.h), and where it ought to have.
+MetricTable warning_rows() {
+  const auto row = [](const char* key, const char* name, const char* caption,
+                      bool (*holds)(const RunMetrics&)) {
+    return Metric{.key = key,
+                  .unit = "",
+                  .name = name,
+                  .caption = caption,
+                  .value = [=](const FinishedRun& f) { return holds(f.metrics) ? 1.0 : 0.0; },
+                  .form = Form::kRatio};
+  };
+  return {neither(row("warned", "warned", "the run warns, or diverged", warned)),
+          row("failed_silently", "failed, not warned", "the run failed, and nothing in it says so",
+              failed_silently)};
+}
+
 // What later measurements buy: the pose of so many frames ago, as it is believed now.
 MetricTable lag_rows() {
   std::vector<int> lags = {0};
@@ -340,6 +360,7 @@ MetricTable all_rows() {
   append(table, class_rows("moving", &ClassificationMetrics::movings));
   append(table, classification_rows());
   append(table, nis_rows());
+  append(table, warning_rows());
   append(table, lag_rows());
   append(table, runtime_rows());
   return table;

@@ -74,6 +74,11 @@ def percent(part, whole):
     return "–" if not whole else f"{100.0 * part / whole:.1f}%"
 
 
+def share(estimate):
+    """Of the runs; of those that began."""
+    return percent(estimate["value"], 1) if estimate else "–"
+
+
 def is_ideal(cell):
     """An ideal covariance estimates nothing and is compared with nothing."""
     return cell["kind"] == "ideal_covariance"
@@ -135,10 +140,13 @@ def summary_cells(cell):
     over_ideal, timing = cell.get("rmse_over_ideal", {}), cell.get("timing", {})
     aligned = cell.get("aligned")
     which = "smoothed" if is_batch(cell) else "filtered"
+    silent = cell.get("failed_silently")
     return {
         "runs": (str(cell["runs"]), ""),
         "failed": (str(len(cell["lost"])), "over" if cell["lost"] else ""),
         "diverged": (str(len(cell["diverged"])), "over" if cell["diverged"] else ""),
+        "warned": (share(cell.get("warned")), ""),
+        "failed, not warned": (share(silent), "over" if silent and silent["value"] else ""),
         "ATE Sim(3) [m]": (with_interval(cell.get(f"{which}_ate_sim3_m")) if aligned else "–", ""),
         "scale": (with_interval(cell.get(f"{which}_sim3_scale")) if aligned else "–", ""),
         "position RMSE [m]": (with_interval(cell.get(f"{which}_position_rmse_m")), ""),
@@ -161,14 +169,14 @@ def summary_table(summary):
         "Summary",
         "Over all runs; brackets: 95% bootstrap intervals over runs (2000 resamples). Red: failed or diverged runs, and ANEES whose interval lies above "
         "what a consistent estimator has (in parentheses); blue: below. Frames inside: those whose ANEES, over the runs, lies in its two-sided 95% interval. "
-        "A run has failed when its position error exceeds a tenth of the path, and has diverged when its state is no longer finite. RMSE is over the runs that "
-        "did not diverge; of a batch, values are smoothed ones. RMSE over ideal sigma: ratio to the standard deviation of the ideal covariance, that of an EKF "
+        "A run has failed when its position error exceeds a tenth of the path, has diverged when its state is no longer finite, and warns where its own numbers "
+        "speak against it, without any truth. RMSE is over the runs that did not diverge; of a batch, values are smoothed ones. RMSE over ideal sigma: ratio to the standard deviation of the ideal covariance, that of an EKF "
         "linearised at the truth, with known labels, the fixed depth prior and no gate; its row gives it. It is no bound. Other numbers: table Metrics.",
         ["scenario", "estimator"] + order, rows, classes)
 
 
-ORDER = ("runs", "failed", "diverged", "ATE Sim(3) [m]", "scale", "position RMSE [m]", "ANEES pose (6)", "frames inside", "ANEES position (3)",
-         "RMSE over ideal sigma", "the same, median run", "time per frame [ms]")
+ORDER = ("runs", "failed", "diverged", "warned", "failed, not warned", "ATE Sim(3) [m]", "scale", "position RMSE [m]", "ANEES pose (6)", "frames inside",
+         "ANEES position (3)", "RMSE over ideal sigma", "the same, median run", "time per frame [ms]")
 
 
 def anees_mean(part):

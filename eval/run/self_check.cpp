@@ -12,24 +12,33 @@ namespace {
 // Sums over this many frames: long enough that a few bad frames are none, short enough that a good
 // start does not hide a bad end.
 constexpr size_t kFrames = 30;
+constexpr size_t kBurst = 5;             // and over these: a sudden loss, before tracks begin anew
 constexpr int kLeastMeasurements = 100;  // of a sum, else it says nothing
-constexpr int kLeastDecided = 20;        // labels
+constexpr int kLeastOfBurst = 30;
 
 constexpr double kNisOfOne = 2.0;  // the joint NIS of a consistent estimator, a measurement
 constexpr double kTooMuch = 2.0;   // times that: the stated noise is too small, or the path wrong
-constexpr double kMostRejected = 0.5;
+constexpr double kMostRejected = 0.15;  // a gate rejects a twentieth of right matches
+constexpr double kMostRejectedOfBurst = 0.5;
 constexpr int kLeastStatic = 4;  // in view; fewer do not hold a camera
+constexpr double kLeastShareStatic = 0.1;
 
 struct Sums {
-  int accepted = 0, offered = 0, most_static = 0;
+  size_t frames = 0;
+  int accepted = 0, accepted_static = 0, offered = 0, most_static = 0;
   double joint_nis = 0.0;
+
+  double rejected() const {
+    return offered == 0 ? 0.0 : 1.0 - static_cast<double>(accepted) / offered;
+  }
 };
 
-Sums sums_of(const std::vector<FrameCounts>& counts, size_t first) {
-  Sums sums;
-  for (size_t i = first; i < first + kFrames; ++i) {
+Sums sums_of(const std::vector<FrameCounts>& counts, size_t first, size_t frames) {
+  Sums sums{.frames = frames};
+  for (size_t i = first; i < first + frames; ++i) {
     const FrameCounts& c = counts[i];
     sums.accepted += c.accepted;
+    sums.accepted_static += c.accepted_static;
     sums.offered += c.accepted + c.rejected + c.out_of_view;
     sums.most_static = std::max(sums.most_static, c.accepted_static);
     sums.joint_nis += c.joint_nis;
@@ -39,10 +48,12 @@ Sums sums_of(const std::vector<FrameCounts>& counts, size_t first) {
 
 using Test = std::function<std::optional<std::string>(const Sums&)>;
 
-// The first frame of the first sum that fails.
-std::optional<RunWarning> first_failure(const RunResult& run, const Test& test) {
-  for (size_t i = 0; i + kFrames <= run.counts.size(); ++i) {
-    if (const auto reason = test(sums_of(run.counts, i))) return RunWarning{run.frames[i], *reason};
+// The first frame of the first sum over so many frames that fails.
+std::optional<RunWarning> first_failure(const RunResult& run, size_t frames, const Test& test) {
+  for (size_t i = 0; i + frames <= run.counts.size(); ++i) {
+    if (const auto reason = test(sums_of(run.counts, i, frames))) {
+      return RunWarning{run.frames[i], *reason};
+    }
   }
   return std::nullopt;
 }
@@ -54,51 +65,52 @@ std::optional<std::string> noise_is_wrong(const Sums& s) {
   return fmt::format(
       "joint NIS {:.1f} where {:.0f} is right, over {} frames: the stated noise is too small, or "
       "the estimate wrong",
-      nis, kNisOfOne, kFrames);
+      nis, kNisOfOne, s.frames);
 }
 
-std::optional<std::string> most_is_rejected(const Sums& s) {
-  if (s.offered < kLeastMeasurements) return std::nullopt;
-  const double share = 1.0 - static_cast<double>(s.accepted) / s.offered;
-  if (share <= kMostRejected) return std::nullopt;
+std::string rejected_text(const Sums& s) {
   return fmt::format("{:.0f}% of the measurements of {} frames were rejected or out of view",
-                     100.0 * share, kFrames);
+                     100.0 * s.rejected(), s.frames);
+}
+
+std::optional<std::string> many_are_rejected(const Sums& s) {
+  if (s.offered < kLeastMeasurements || s.rejected() <= kMostRejected) return std::nullopt;
+  return rejected_text(s) + ": wrong matches, or the estimate is wrong";
+}
+
+std::optional<std::string> most_are_rejected_at_once(const Sums& s) {
+  if (s.offered < kLeastOfBurst || s.rejected() <= kMostRejectedOfBurst) return std::nullopt;
+  return rejected_text(s) + " at once: it did not see what it expected";
 }
 
 std::optional<std::string> nothing_is_used(const Sums& s) {
   if (s.accepted > 0 || std::isnan(s.joint_nis)) return std::nullopt;  // used, or not stated
-  return fmt::format("no measurement was used for {} frames", kFrames);
+  return fmt::format("no measurement was used for {} frames", s.frames);
 }
 
-std::optional<std::string> nothing_is_static(const Sums& s) {
-  if (s.accepted == 0 || s.most_static >= kLeastStatic) return std::nullopt;
-  return fmt::format("fewer than {} static landmarks in view for {} frames", kLeastStatic, kFrames);
-}
-
-// Of the labels that were decided. Where most of a scene does move, nobody else could tell either.
-std::optional<RunWarning> labels_have_collapsed(const RunResult& run) {
-  int decided = 0, moving = 0;
-  int first = 0;
-  for (const ClassificationRecord& record : run.classification) {
-    if (record.label == Label::kUnknown) continue;
-    ++decided;
-    if (record.label != Label::kMoving) continue;
-    if (moving++ == 0) first = record.decision_frame.value_or(0);
-    first = std::min(first, record.decision_frame.value_or(first));
+std::optional<std::string> hardly_any_is_static(const Sums& s) {
+  if (s.accepted == 0) return std::nullopt;
+  if (s.most_static < kLeastStatic) {
+    return fmt::format("fewer than {} static landmarks in view for {} frames", kLeastStatic,
+                       s.frames);
   }
-  if (decided < kLeastDecided || 2 * moving <= decided) return std::nullopt;
-  return RunWarning{first,
-                    fmt::format("{} of {} decided landmarks are called moving", moving, decided)};
+  if (s.accepted_static >= kLeastShareStatic * s.accepted) return std::nullopt;
+  return fmt::format("{:.0f}% of the measurements used in {} frames are of static landmarks",
+                     100.0 * s.accepted_static / s.accepted, s.frames);
 }
 
 }  // namespace
 
 std::vector<RunWarning> self_check(const RunResult& run) {
   std::vector<RunWarning> warnings;
-  for (const auto& test : {noise_is_wrong, most_is_rejected, nothing_is_used, nothing_is_static}) {
-    if (auto warning = first_failure(run, test)) warnings.push_back(std::move(*warning));
-  }
-  if (auto warning = labels_have_collapsed(run)) warnings.push_back(std::move(*warning));
+  const auto check = [&](size_t frames, const Test& test) {
+    if (auto warning = first_failure(run, frames, test)) warnings.push_back(std::move(*warning));
+  };
+  check(kFrames, noise_is_wrong);
+  check(kFrames, many_are_rejected);
+  check(kBurst, most_are_rejected_at_once);
+  check(kFrames, nothing_is_used);
+  check(kFrames, hardly_any_is_static);
   std::ranges::stable_sort(warnings, {}, &RunWarning::frame);
   return warnings;
 }

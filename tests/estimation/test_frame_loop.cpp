@@ -249,6 +249,20 @@ TEST_F(FrameLoopOf, ClassifiesAndCollapses) {
   EXPECT_TRUE(belief_->state.at(2).is_free);
 }
 
+// What no motion explains is a wrong match; what one explains speaks against the label.
+TEST_F(FrameLoopOf, AWrongMatchSaysNothingOfALabel) {
+  start({});
+  frame({1, 2});
+  for (const double error : {300.0, -500.0, 0.0, 400.0, 0.0}) {
+    belief_->state.at(1).error = error;
+    EXPECT_EQ(frame({1, 2}).rejected, error == 0.0 ? 0 : 1);
+    EXPECT_EQ(label(1), Label::kStatic) << error;
+  }
+  belief_->state.at(1).error = 10.0;
+  frame({1, 2});
+  EXPECT_EQ(label(1), Label::kUnknown);
+}
+
 TEST_F(FrameLoopOf, RevertsAStaticLabelThatTheOtherMeasurementsReject) {
   start({});
   frame({1, 2});

@@ -80,5 +80,21 @@ TEST(Reversible, AMovingLandmarkMayStop) {
   EXPECT_TRUE(record.was_moving);
 }
 
+// A mover of twice the velocity's sigma, near the camera, stays within two sigmas of what is
+// granted.
+TEST(MovedPixels, CoverAMoverAndGrowWithTheTimeSinceItWasSeen) {
+  Camera camera;
+  camera.fx = camera.fy = 400.0;
+  LandmarkPrior prior;
+  prior.inverse_depth = 0.2;
+  prior.inverse_depth_sigma = 0.1;
+  prior.max_speed = 2.0;
+  TrackRecord record = initialised(1, 0, Label::kStatic, prior);
+  const double once = moved_px(record, camera, 0.1);
+  EXPECT_NEAR(once, 400.0 * 0.4 * 1.0 * 0.1, 1e-12);
+  ++record.unused_frames;
+  EXPECT_NEAR(moved_px(record, camera, 0.1), 2.0 * once, 1e-12);
+}
+
 }  // namespace
 }  // namespace slammot

@@ -29,9 +29,10 @@ Parameters parameters(VolumeOptions& o) {
 }
 
 Parameters parameters(SceneOptions& o) {
-  return joined(joined(joined(parameters(o.recording), parameters(o.volume)),
-                       parameters(o.volume.manoeuvres)),
-                joined(parameters(o.known), parameters(o.statements)));
+  return joined(
+      joined(joined(parameters(o.recording), parameters(o.volume)),
+             parameters(o.volume.manoeuvres)),
+      joined(joined(parameters(o.known), parameters(o.statements)), parameters(o.disturbances)));
 }
 
 namespace {
@@ -162,12 +163,14 @@ void check(const VolumeOptions& options) {
 }  // namespace
 
 Sequence simulate_in_volume(const SceneOptions& options, const Eigen::Vector3d& centre,
-                            const std::vector<CameraState>& trajectory, std::uint64_t seed) {
+                            const std::vector<CameraState>& path, std::uint64_t seed) {
   check(options.volume);
+  const std::vector<CameraState> trajectory = displaced(options.disturbances, path);
   const auto points = draw_points(options, centre, trajectory.front(), seed);
   Sequence sequence = record(options.recording, trajectory, points, seed);
   sequence.known = choose_known(options.known, sequence, seed);
-  state(options.statements, population_prior(options, centre, trajectory), seed, sequence);
+  state(options.statements, population_prior(options, centre, path), seed, sequence);
+  disturb(options.disturbances, seed, sequence);
   return sequence;
 }
 

@@ -6,6 +6,7 @@
 // Static points have tracks 0, 1, ...; moving ones follow.
 #pragma once
 
+#include "datasets/simulation/scene/disturbances.h"
 #include "datasets/simulation/scene/known_landmarks.h"
 #include "datasets/simulation/scene/recording.h"
 #include "datasets/simulation/scene/statements.h"
@@ -32,16 +33,16 @@ struct SceneOptions {
   VolumeOptions volume;
   KnownOptions known;
   StatementOptions statements;
+  DisturbanceOptions disturbances;
 };
 Parameters parameters(SceneOptions& options);
 
-// Places the points around `centre`, records them from the trajectory, and states what is true. The
-// prior stated is that of the population from which the points are drawn, the same for every seed.
-// Where points stop, the acceleration stated covers the stops; where they only manoeuvre, it is the
-// RMS of the true one (mover_sigmas.h says why not more).
-// Throws std::invalid_argument for more manoeuvring points than there are, and for braking so hard
-// that the slowest would stop.
+// Places the points around `centre`, records them from the path, states what is true, and disturbs.
+// The prior stated is that of the population from which the points are drawn, the same for every
+// seed. Where points stop, the acceleration stated covers the stops; where they only manoeuvre, it
+// is the RMS of the true one (mover_sigmas.h says why not more). Throws std::invalid_argument for
+// more manoeuvring points than there are, and for braking so hard that the slowest would stop.
 Sequence simulate_in_volume(const SceneOptions& options, const Eigen::Vector3d& centre,
-                            const std::vector<CameraState>& trajectory, std::uint64_t seed);
+                            const std::vector<CameraState>& path, std::uint64_t seed);
 
 }  // namespace slammot

@@ -1,4 +1,4 @@
-#include "datasets/simulation/scene/path.h"
+#include "datasets/simulation/path.h"
 
 #include <cmath>
 

@@ -1,0 +1,154 @@
+// Geometry that determines little, and measurements that cannot be, given to the library itself: no
+// reader stands before it. Filter and window end, in bounded work, with numbers.
+#include <gtest/gtest.h>
+
+#include <ctime>
+
+#include "datasets/simulation/scenario.h"
+#include "datasets/simulation/scene/known_landmarks.h"
+#include "datasets/simulation/scene/random_stream.h"
+#include "datasets/simulation/scene/statements.h"
+#include "eval/configuration/registry.h"
+#include "eval/configuration/setup.h"
+#include "eval/metrics/nees.h"
+#include "eval/run/run.h"
+
+namespace slammot {
+namespace {
+
+constexpr int kFrames = 60;
+
+Sequence recorded(const std::vector<ScenePoint>& points, CameraState (*camera)(double)) {
+  RecordingOptions options;
+  options.frames = kFrames;
+  std::vector<CameraState> trajectory;
+  for (int i = 0; i < kFrames; ++i) trajectory.push_back(camera(options.time(i)));
+  Sequence sequence = record(options, trajectory, points, 1);
+  sequence.known = choose_known({}, sequence, 1);
+  state({}, prior_of(sequence), 1, sequence);
+  return sequence;
+}
+
+// Nothing tells a turn about the line from nothing at all.
+Sequence collinear_points() {
+  std::vector<ScenePoint> points;
+  for (int i = 0; i < 100; ++i) points.push_back({i, {-10.0 + 0.2 * i, 0.0, 5.0}});
+  return recorded(points, [](double time) {
+    CameraState camera;
+    camera.position.x() = 0.5 * time;
+    camera.velocity.x() = 0.5;
+    return camera;
+  });
+}
+
+// No parallax: depths stay as they were stated.
+Sequence pure_rotation() {
+  RandomStream random(1, "points");
+  std::vector<ScenePoint> points;
+  for (int i = 0; i < 400; ++i) {
+    points.push_back({i, random.uniform(3.0, 10.0) * random.normals<3>().normalized()});
+  }
+  return recorded(points, [](double time) {
+    constexpr double kRate = 0.5;  // [rad/s]
+    CameraState camera;
+    camera.orientation = Eigen::AngleAxisd(kRate * time, Eigen::Vector3d::UnitY());
+    camera.angular_velocity.y() = kRate;
+    return camera;
+  });
+}
+
+Sequence circle() { return simulate("circle", {{"frames", std::to_string(kFrames)}}, 1); }
+
+Sequence far_pixel(std::size_t frame) {
+  Sequence sequence = circle();
+  sequence.frames[frame].observations.back().pixel = {1e9, -1e9};
+  return sequence;
+}
+
+Sequence tiny_focal_length() {
+  Sequence sequence = circle();
+  sequence.camera.fx = sequence.camera.fy = 1e-3;
+  return sequence;
+}
+
+struct Scene {
+  std::string name;
+  Sequence (*make)();
+  bool ends_early = false;  // may: nothing can be made of it
+};
+void PrintTo(const Scene& scene, std::ostream* out) { *out << scene.name; }
+
+const Scene kScenes[] = {
+    {"Circle", circle},
+    {"CollinearPoints", collinear_points},
+    {"PureRotation", pure_rotation},
+    {"FarPixelAtFirst", [] { return far_pixel(0); }},
+    {"FarPixelLater", [] { return far_pixel(20); }},
+    {"TinyFocalLength", tiny_focal_length, true},
+};
+
+// How often frames are processed: again where the first labels are revised (first_frame.h), and
+// each time with at most `ekf.iterations` or `window.iterations` linearisations.
+class Passes final : public StageListener {
+ public:
+  void begin(std::string_view stage) override { count += stage == "predict"; }
+  int count = 0;
+};
+
+using Case = std::tuple<std::string, Scene>;
+class Degenerate : public testing::TestWithParam<Case> {};
+
+TEST_P(Degenerate, EndsInBoundedWorkWithNumbers) {
+  const auto& [name, scene] = GetParam();
+  const Sequence sequence = scene.make();
+  Configuration configuration;
+  const EstimatorRow& row = find_estimator(name);
+  row.adjust(configuration);
+  const auto estimator = row.make(make_setup(sequence, configuration), configuration);
+  const int revisable = configuration.model.labels.start_over;
+  Passes passes;
+  RunResult run;
+  const std::clock_t start = std::clock();
+  try {
+    for (const Frame& frame : sequence.frames) {
+      passes.count = 0;
+      estimator->process(frame, passes);
+      EXPECT_LE(passes.count, frame.index < revisable ? 1 + 10 * (frame.index + 1) : 1);
+      run.frames.push_back(frame.index);
+      run.filtered.push_back(estimator->camera());
+      ASSERT_TRUE(run.filtered.back().state.position.allFinite());
+      ASSERT_TRUE(run.filtered.back().covariance.allFinite());
+    }
+  } catch (const Diverged& diverged) {
+    EXPECT_TRUE(scene.ends_early) << diverged.what();
+  }
+  const double ms = 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  if (run.filtered.empty()) return;
+  std::printf("%s, %s: %zu frames, %.2f ms of CPU a frame, pose NEES %.1f\n", name.c_str(),
+              scene.name.c_str(), run.frames.size(), ms / static_cast<double>(run.frames.size()),
+              pose_consistency(pair_with_truth(sequence, run.filtered)).pose.mean);
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, Degenerate,
+                         testing::Combine(testing::Values("ekf", "window"),
+                                          testing::ValuesIn(kScenes)),
+                         [](const auto& tested) {
+                           return std::get<0>(tested.param) + "_" + std::get<1>(tested.param).name;
+                         });
+
+// One measurement that cannot be changes nothing but itself.
+TEST(FarPixel, IsNotUsed) {
+  for (const char* name : {"ekf", "window"}) {
+    Sequence without = circle();
+    without.frames[20].observations.pop_back();
+    const RunResult a = run_estimator(far_pixel(20), {}, name);
+    const RunResult b = run_estimator(without, {}, name);
+    EXPECT_FALSE(a.diverged);
+    const Eigen::Vector3d apart =
+        a.filtered.back().state.position - b.filtered.back().state.position;
+    EXPECT_LT(apart.norm(), 0.01) << name;
+  }
+}
+
+}  // namespace
+}  // namespace slammot
