@@ -30,5 +30,18 @@ TEST(Recorded, DeskIsKnownToTwoCentimetres) {
   EXPECT_LT(rmse, 0.02);
 }
 
+// Cars among few static points: first estimates once ended the window at frame 9.
+TEST(Recorded, FirstEstimatesRunThroughTraffic) {
+  const std::filesystem::path folder = std::filesystem::path(test::kSharedData) / "kitti_traffic";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not here";
+  const Sequence whole = track_images(read_images(folder), {}).sequence;
+  const Sequence sequence = select_frames(whole, 0, 24, 1);
+  Configuration configuration;
+  configuration.window.linearisation = WindowLinearisation::kFej;
+  const RunResult run = run_estimator(sequence, configuration, "window");
+  EXPECT_FALSE(run.diverged);
+  EXPECT_EQ(run.frames.size(), 25u);
+}
+
 }  // namespace
 }  // namespace slammot
