@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 namespace slammot {
 namespace {
@@ -18,7 +19,10 @@ constexpr int kLeastDecided = 20;        // labels
 constexpr double kNisOfOne = 2.0;  // the joint NIS of a consistent estimator, a measurement
 constexpr double kTooMuch = 2.0;   // times that: the stated noise is too small, or the path wrong
 constexpr double kMostRejected = 0.5;
-constexpr int kLeastStatic = 4;  // in view; fewer do not hold a camera
+constexpr double kExplains = 0.5;       // of what the five-point estimate does
+constexpr std::size_t kMostWrong = 5;   // one span in so many
+constexpr std::size_t kLeastWrong = 2;  // spans
+constexpr int kLeastStatic = 4;         // in view; fewer do not hold a camera
 
 struct Sums {
   int accepted = 0, offered = 0, most_static = 0;
@@ -91,14 +95,35 @@ std::optional<RunWarning> labels_have_collapsed(const RunResult& run) {
                     fmt::format("{} of {} decided landmarks are called moving", moving, decided)};
 }
 
+bool disagrees(const RotationSpan& s) { return s.estimate < kExplains * s.five_point; }
+
+// An object that fills the view spoils a few spans of a good run, so a share of them is asked for.
+std::optional<RunWarning> rotation_is_wrong(std::span<const RotationSpan> spans) {
+  std::vector<double> angles;
+  int first = 0;
+  for (const RotationSpan& s : spans) {
+    if (!disagrees(s)) continue;
+    if (angles.empty()) first = s.first;
+    angles.push_back(s.angle);
+  }
+  const std::size_t wrong = angles.size();
+  if (wrong < kLeastWrong || kMostWrong * wrong <= spans.size()) return std::nullopt;
+  std::ranges::nth_element(angles, angles.begin() + static_cast<std::ptrdiff_t>(wrong / 2));
+  return RunWarning{first,
+                    fmt::format("rotation disagrees with a five-point estimate: in {} of {} spans "
+                                "of at most ten frames, by {:.2g} degrees (median)",
+                                wrong, spans.size(), angles[wrong / 2] * 180.0 / std::numbers::pi)};
+}
+
 }  // namespace
 
-std::vector<RunWarning> self_check(const RunResult& run) {
+std::vector<RunWarning> self_check(const RunResult& run, std::span<const RotationSpan> rotations) {
   std::vector<RunWarning> warnings;
   for (const auto& test : {noise_is_wrong, most_is_rejected, nothing_is_used, nothing_is_static}) {
     if (auto warning = first_failure(run, test)) warnings.push_back(std::move(*warning));
   }
   if (auto warning = labels_have_collapsed(run)) warnings.push_back(std::move(*warning));
+  if (auto warning = rotation_is_wrong(rotations)) warnings.push_back(std::move(*warning));
   std::ranges::stable_sort(warnings, {}, &RunWarning::frame);
   return warnings;
 }
