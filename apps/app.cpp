@@ -8,6 +8,7 @@
 #include "apps/commands.h"
 #include "apps/support/command_line.h"
 #include "apps/support/commit.h"
+#include "apps/support/five_point_row.h"
 #include "apps/support/progress.h"
 #include "apps/support/usage.h"
 #include "datasets/sequence/sequence.h"
@@ -77,6 +78,7 @@ void add(const Extras& extras) {
   own_numbers().insert(extras.numbers.begin(), extras.numbers.end());
   add_landmarks(extras.landmarks);
   add_classifiers(extras.classifiers);
+  add_estimators({&kFivePointRow, 1});
   add_estimators(extras.estimators);
   add_readers(extras.readers);
   add_scenarios(extras.scenarios);

@@ -19,6 +19,7 @@
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_table.h"
 #include "eval/report/report_generator.h"
+#include "frontend/odometry/rotation_check.h"
 
 namespace slammot {
 namespace {
@@ -74,8 +75,12 @@ void draw_all(const std::vector<NamedMetrics>& results, const Sequence& sequence
   }
 }
 
-void say_what_diverged(const std::vector<NamedMetrics>& results) {
+void say_what_is_wrong(const std::vector<NamedMetrics>& results) {
   for (const NamedMetrics& result : results) {
+    for (const RunWarning& w : result.metrics.warnings) {
+      fmt::print(stderr, "slammot: warning: {}, from frame {}: {}\n", result.label, w.frame,
+                 w.reason);
+    }
     const auto& diverged = result.metrics.diverged;
     if (!diverged) continue;
     fmt::print(stderr, "slammot: {} diverged at frame {}: {}\n", result.label, diverged->frame,
@@ -106,7 +111,7 @@ void claim(const CompareArguments& arguments, const std::filesystem::path& outpu
 int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path& output) {
   fmt::print("\n{}\n", metrics_table(results));
   std::fflush(stdout);
-  say_what_diverged(results);
+  say_what_is_wrong(results);
   const bool diverged = std::any_of(results.begin(), results.end(),
                                     [](const auto& r) { return r.metrics.diverged.has_value(); });
   const std::optional<std::filesystem::path> report = write_compare_report(output);
@@ -142,6 +147,7 @@ int execute(CompareArguments arguments) {
   options.output = output;
   options.command = command_line();
   options.landmarks_every_frame = arguments.pictures;
+  options.check_rotation = check_rotation;
   if (arguments.sequence.empty()) options.seed = arguments.scenario.seed;
   options.progress = [&](const std::string& label, int done, int total) {
     progress.show(label, done, total);

@@ -16,6 +16,7 @@
 #include "eval/output/run_writer.h"
 #include "eval/run/evaluate.h"
 #include "eval/run/run.h"
+#include "frontend/odometry/rotation_check.h"
 
 namespace slammot {
 namespace {
@@ -45,6 +46,7 @@ int execute(const RunArguments& arguments) {
   Progress progress;
   DriveOptions options;
   options.landmarks_every_frame = arguments.landmarks == "every-frame";
+  options.check_rotation = check_rotation;
   options.progress = [&](int done, int total) { progress.show(arguments.estimator, done, total); };
   const auto [effective, run, metrics] =
       run_and_evaluate(sequence, configuration, arguments.estimator, options);

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cstdio>
 #include <memory>
+#include <set>
 
 #include "apps/commands.h"
 #include "apps/support/command_line.h"
@@ -10,10 +12,12 @@
 #include "apps/support/usage.h"
 #include "apps/support/writable.h"
 #include "datasets/native/native_settings.h"
+#include "datasets/native/native_tables.h"
 #include "datasets/native/native_writer.h"
 #include "datasets/output/output_files.h"
 #include "datasets/output/output_folder.h"
 #include "datasets/readers/image_reader.h"
+#include "datasets/text/number.h"
 #include "datasets/text/text_table.h"
 #include "eval/provenance/provenance.h"
 #include "frontend/rendering/render.h"
@@ -24,12 +28,16 @@ namespace {
 
 using Path = std::filesystem::path;
 
+constexpr double kVelocitySigma = 0.1;  // [m/s] where --velocity-sigma states none
+
 struct TrackArguments {
   std::string images;
   std::string output;
   std::string camera;
   std::string chessboard;
+  std::string initial_velocity;          // VX,VY,VZ (W) [m/s]
   std::optional<double> velocity_sigma;  // [m/s]
+  std::string known;                     // a file as known.csv
   bool force = false;
   TrackOptions options;
 };
@@ -56,18 +64,53 @@ std::string noise_text(const TrackedImages& tracked) {
       tracked.noise->sigma, tracked.noise->pairs, tracked.noise->lag);
 }
 
-// The first true camera, its velocity with this sigma: what an odometer would tell. It fixes the
-// scale where no board does. Nothing is made of a truth that is not there.
-void state_velocity(double sigma, Sequence& sequence) {
-  if (sequence.truth.empty() || !sequence.truth.front()) {
-    throw InputError(sequence.folder, 0,
-                     "the first frame has no true pose to take a velocity from");
+// The first true camera. Nothing is made of a truth that is not there.
+CameraState first_truth(const Sequence& sequence) {
+  if (!sequence.truth.empty() && sequence.truth.front()) return *sequence.truth.front();
+  throw InputError(sequence.folder, 0, "the first frame has no true pose to take a velocity from");
+}
+
+Eigen::Vector3d parse_velocity(const std::string& text) {
+  Eigen::Vector3d v;
+  int used = 0;
+  const int read = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &v.x(), &v.y(), &v.z(), &used);
+  if (read != 3 || static_cast<size_t>(used) != text.size() || !(v.norm() < kLargest)) {
+    throw std::invalid_argument(
+        fmt::format("--initial-velocity '{}': expected VX,VY,VZ, as in 0,0,1.5 (m/s)", text));
   }
-  InitialCamera initial;
-  initial.state = *sequence.truth.front();
-  initial.velocity_sigma = sigma;
+  return v;
+}
+
+// What an odometer would tell: it fixes the scale where no board does. The pose is that of the
+// board, else of the truth, else the origin.
+void state_velocity(const TrackArguments& arguments, Sequence& sequence) {
+  if (arguments.initial_velocity.empty() && !arguments.velocity_sigma) return;
+  InitialCamera initial = sequence.initial.value_or(InitialCamera{});
+  if (arguments.initial_velocity.empty()) {
+    initial.state = first_truth(sequence);
+  } else {
+    const bool has_truth = !sequence.truth.empty() && sequence.truth.front();
+    if (!sequence.initial && has_truth) initial.state = *sequence.truth.front();
+    initial.state.velocity = parse_velocity(arguments.initial_velocity);
+  }
+  initial.velocity_sigma = arguments.velocity_sigma.value_or(kVelocitySigma);
   initial.angular_velocity_sigma = 0.1;
   sequence.initial = initial;
+}
+
+// Beside what a board gives. A track that was never measured would be ignored in silence.
+void state_known(const Path& file, Sequence& sequence) {
+  std::set<int> tracks;
+  for (const Frame& frame : sequence.frames) {
+    for (const Observation& z : frame.observations) tracks.insert(z.track);
+  }
+  for (const KnownLandmark& known : read_known(file, read_text_file(file))) {
+    if (!tracks.contains(known.track)) {
+      throw InputError(file, 0, fmt::format("track {} is measured in no image", known.track));
+    }
+    std::erase_if(sequence.known, [&](const auto& k) { return k.track == known.track; });
+    sequence.known.push_back(known);
+  }
 }
 
 // How the measurements were made: track.yaml, for people.
@@ -80,6 +123,7 @@ void write_description(const TrackArguments& arguments, const TrackedImages& tra
 }
 
 int execute(TrackArguments arguments) {
+  if (!arguments.initial_velocity.empty()) parse_velocity(arguments.initial_velocity);
   if (!arguments.chessboard.empty()) {
     arguments.options.chessboard = parse_chessboard(arguments.chessboard);
   }
@@ -96,7 +140,8 @@ int execute(TrackArguments arguments) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   progress.clear();
-  if (arguments.velocity_sigma) state_velocity(*arguments.velocity_sigma, tracked.sequence);
+  state_velocity(arguments, tracked.sequence);
+  if (!arguments.known.empty()) state_known(arguments.known, tracked.sequence);
   add_room_truth(arguments.images, tracked.sequence);
   relocate_images(arguments.output, tracked.sequence);
   write_native(tracked.sequence, arguments.output);
@@ -133,6 +178,15 @@ void add_track(CLI::App& app, int& exit_code) {
                    "scale as an odometer does")
       ->check(CLI::PositiveNumber)
       ->excludes("--chessboard");
+  command
+      ->add_option("--initial-velocity", arguments->initial_velocity,
+                   fmt::format("state this first velocity in W [m/s], with --velocity-sigma or {}",
+                               kVelocitySigma))
+      ->type_name("VX,VY,VZ");
+  command
+      ->add_option("--known", arguments->known,
+                   "landmarks known beforehand, as in known.csv: track,x,y,z,sigma; tracks repeat")
+      ->type_name("FILE");
   command->add_flag("--force", arguments->force, kForceHelp);
   command->add_option("--points", options.tracker.corners.count, "corners looked for in an image")
       ->check(CLI::Range(8, 10000))

@@ -1,9 +1,9 @@
-#!/usr/bin/python3
-"""real_images.py SLAMMOT DATA OUTPUT [NAME ...]: images of real sequences through `track` and `compare`; the table of docs/images.md.
+"""real_images.py SLAMMOT DATA OUTPUT [--sensitivity] [NAME ...]: real images through `track` and `run` with the defaults; the tables of docs/images.md.
 
-bench/real/NAME.yaml is the configuration of a sequence, its first comment lines say what it is; bench/real/regions.csv marks by
-hand what is seen where. A track belongs to an object if in a marked frame it lies in the object's box. A folder of OUTPUT that
-is there already is not computed again.
+Stated are camera and scale, nothing else. With --sensitivity the EKF runs again with one setting changed at a time. bench/real/regions.csv
+marks by hand what is seen where: a track belongs to an object if in a marked frame it lies in the object's box. A folder of OUTPUT that is
+there already is not computed again. ATE is after alignment by Sim(3), in per cent of the true path; the rotation's error is the RMSE over all
+frames without alignment, and that times 50 m over the path.
 """
 import collections
 import json
@@ -17,28 +17,14 @@ import yaml
 from real_motion import residuals, rows_of
 
 HERE = pathlib.Path(__file__).resolve().parent / "real"
-SEQUENCES = {  # name: folder of DATA, arguments of `track`
-    "synth19_images": ("synth19_images", ["--mixed-colours", "--velocity-sigma", "0.1"]),
-    "desk_hand": ("desk_hand", ["--chessboard", "9x6,0.04"]),
-    "desk_hand_still": ("desk_hand", ["--chessboard", "9x6,0.04"]),
-    "kitti00": ("kitti00", ["--points", "150", "--velocity-sigma", "0.3"]),
-    "kitti_traffic": ("kitti_traffic", ["--points", "150", "--velocity-sigma", "0.3"]),
-    "kitti_traffic_moving_start": ("kitti_traffic", ["--points", "150", "--velocity-sigma", "0.3", "--moving-start"]),
+SEQUENCES = {  # name, also the folder of DATA: arguments of `track`, which state the scale
+    "kitti00": ["--velocity-sigma", "0.3"],
+    "synth19_images": ["--mixed-colours", "--velocity-sigma", "0.1"],
+    "desk_hand": ["--chessboard", "9x6,0.04"],
+    "kitti_traffic": ["--velocity-sigma", "0.3"],
 }
-
-
-def computed(program, data, output, name):
-    """The folders of the tracked sequence and of its comparison."""
-    source, arguments = SEQUENCES[name]
-    tracked, compared = output / f"{name}-tracked", output / name
-    if not tracked.exists():
-        subprocess.run([program, "track", data / source, "--output", tracked, *arguments], check=True)
-    if not any(compared.glob("*/pictures")):  # which need the landmarks of every frame
-        done = subprocess.run([program, "compare", tracked, "--landmark", "scaled_velocity", "--config",
-                               HERE / f"{name}.yaml", "--pictures", "--output", compared], check=False)
-        if done.returncode == 2:
-            sys.exit(2)
-    return tracked, compared
+ESTIMATORS = ["ekf", "window", "static_world", "five_point"]
+SETTINGS = ["pixel_sigma=0.25", "pixel_sigma=1", "gate.given_others=0.99", "gate.given_others=1", "prior.mean_sigma=0.1"]
 
 
 def objects(tracked, marked):
@@ -68,36 +54,79 @@ def at_rest_and_moved(tracked, run):
     return [t for t, r in found.items() if r < 2 * sigma], [t for t, r in found.items() if r > 10 * sigma]
 
 
-def print_run(name, run, tracks, moves, at_rest, moved):
-    metrics = json.loads((run / "metrics.json").read_text())
+def path_of(tracked):
+    """[m], of the true poses."""
+    lines = (tracked / "groundtruth.tum").read_text(encoding="utf-8").splitlines()
+    points = [tuple(map(float, line.split()[1:4])) for line in lines if line and not line.startswith("#")]
+    return sum(map(math.dist, points, points[1:]))
+
+
+def tracked_by(program, data, output, name):
+    tracked = output / f"{name}-tracked"
+    if not tracked.exists():
+        subprocess.run([program, "track", data / name, "--output", tracked, *SEQUENCES[name]], check=True)
+    return tracked
+
+
+def run_of(program, tracked, estimator, settings=()):
+    folder = tracked.parent / "-".join([tracked.name.removesuffix("-tracked"), estimator, *settings])
+    if not (folder / "metrics.json").exists():
+        changes = [word for setting in settings for word in ("--set", setting)]
+        done = subprocess.run([program, "run", tracked, "--estimator", estimator, *changes, "--output", folder],
+                              check=False, stdout=subprocess.DEVNULL)
+        if done.returncode == 2:
+            sys.exit(2)
+    return folder
+
+
+def cell(run, path):
+    metrics = json.loads((run / "metrics.json").read_text(encoding="utf-8"))
     accuracy = metrics["filtered"]["accuracy"]
-    print(f"{name} {run.name}: diverged {metrics['diverged']}, position RMSE {accuracy['position_rmse_m']:.4f} m, "
-          f"ATE SE3 {accuracy['ate_se3_m']:.4f} Sim3 {accuracy['ate_sim3_m']:.4f} m, scale {accuracy['sim3_scale']:.3f}, "
-          f"RPE {accuracy['rpe_1s_position_rmse_m']:.4f} m {accuracy['rpe_1s_rotation_rmse_deg']:.2f} deg, NIS {metrics['nis']['mean']:.2f}")
-    print("   ms: " + ", ".join(f"{s['stage']} {s['median_ms']:.1f}" for s in metrics["runtime"]["stages"]))
+    rotation = accuracy["rotation_rmse_deg"]
+    note = ", diverged" if metrics["diverged"] else ""
+    return (f"{100 * accuracy['ate_sim3_m'] / path:.2g}%, {rotation:.2g} ({50 * rotation / path:.2g}) deg{note}, "
+            f"{len(metrics['warnings'])} w")
+
+
+def print_table(rows, names, run, paths):
+    print("| | " + " | ".join(f"{name} ({paths[name]:.3g} m)" for name in names) + " |")
+    print("|---" * (len(names) + 1) + "|")
+    for label, arguments in rows:
+        print(f"| {label} | " + " | ".join(cell(run(name, *arguments), paths[name]) for name in names) + " |", flush=True)
+
+
+def print_labels(name, tracked, run):
+    marked = [row for row in rows_of(HERE / "regions.csv") if row["sequence"] == name]
+    at_rest, moved = at_rest_and_moved(tracked, run)
     landmarks = rows_of(run / "landmarks.csv")
-    for thing, members in sorted(tracks.items()):
-        print(f"   {thing}: {counted(members, landmarks)}")
-        if moves[thing]:
-            frames = [int(frame) for frame in moves[thing].split("-")]
-            print(f"   {thing}, frames {moves[thing]}, while it moves: {counted(members, landmarks, frames)}")
-    print(f"   at rest by the true poses: {counted(at_rest, landmarks)}; moved: {counted(moved, landmarks)}")
+    print(f"{run.name}: at rest by the true poses: {counted(at_rest, landmarks)}; moved: {counted(moved, landmarks)}")
+    moves = {row["object"]: row["moves"] for row in marked}
+    for thing, members in sorted(objects(tracked, marked).items()):
+        frames = [int(frame) for frame in moves[thing].split("-")] if moves[thing] else (0, math.inf)
+        print(f"   {thing}, frames {moves[thing] or 'all'}: {counted(members, landmarks, frames)}")
 
 
-def main(program, data, output, names):
-    for name in names or SEQUENCES:
-        tracked, compared = computed(program, pathlib.Path(data), pathlib.Path(output), name)
-        marked = [row for row in rows_of(HERE / "regions.csv") if row["sequence"] == SEQUENCES[name][0]]
-        tracks = objects(tracked, marked)
-        moves = {row["object"]: row["moves"] for row in marked}
-        runs = sorted(path.parent for path in compared.glob("*/metrics.json"))
-        at_rest, moved = at_rest_and_moved(tracked, runs[0]) if (tracked / "groundtruth.tum").exists() else ([], [])
-        for run in runs:
-            print_run(name, run, tracks, moves, at_rest, moved)
+def main(program, data, output, names, sensitivity):
+    paths, tracked = {}, {}
+    for name in names:
+        tracked[name] = tracked_by(program, pathlib.Path(data), pathlib.Path(output), name)
+        paths[name] = path_of(tracked[name])
+
+    def run(name, estimator, settings=()):
+        return run_of(program, tracked[name], estimator, settings)
+
+    if sensitivity:
+        print_table([("defaults", ("ekf",))] + [(f"`{s}`", ("ekf", (s,))) for s in SETTINGS], names, run, paths)
+        return
+    print_table([(estimator, (estimator,)) for estimator in ESTIMATORS], names, run, paths)
+    for name in names:
+        for estimator in ("ekf", "window"):
+            print_labels(name, tracked[name], run(name, estimator))
 
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore")  # of fits that begin beside the lens
-    if len(sys.argv) < 4:
+    words = [word for word in sys.argv[1:] if word != "--sensitivity"]
+    if len(words) < 3:
         sys.exit(__doc__.splitlines()[0])
-    main(*sys.argv[1:4], sys.argv[4:])
+    main(*words[:3], words[3:] or list(SEQUENCES), "--sensitivity" in sys.argv)

@@ -54,6 +54,7 @@ NamedMetrics compare_one(const Sequence& sequence, const Configuration& base,
                          Pool& pool) {
   DriveOptions drive_options;
   drive_options.landmarks_every_frame = options.landmarks_every_frame;
+  drive_options.check_rotation = options.check_rotation;
   if (options.progress) {
     drive_options.progress = [&](int done, int total) { options.progress(row.label, done, total); };
   }

@@ -44,6 +44,7 @@ struct CompareOptions {
   std::string command;
   std::optional<std::uint64_t> seed;
   bool landmarks_every_frame = false;
+  CheckRotation check_rotation;  // may be empty
   MetricTable metrics = metric_table();
   std::function<void(const std::string& label, int done, int total)> progress;  // may be empty
 };

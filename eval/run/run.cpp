@@ -132,7 +132,9 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
   result.landmarks = history.latest();
   result.classification = history.classification();
   result.samples = history.samples();
-  result.warnings = self_check(result);
+  std::vector<RotationSpan> spans;
+  if (options.check_rotation) spans = options.check_rotation(sequence, result.filtered);
+  result.warnings = self_check(result, spans);
   return result;
 }
 

@@ -5,15 +5,21 @@
 #include <string>
 
 #include "datasets/sequence/sequence.h"
+#include "estimation/rotation_span.h"
 #include "eval/configuration/configuration.h"
 #include "eval/metrics/metrics.h"
 #include "eval/result/run_result.h"
 
 namespace slammot {
 
+// The rotation of these cameras beside another estimate from the same tracks; a front end has one.
+using CheckRotation = std::function<std::vector<RotationSpan>(
+    const Sequence& sequence, const std::vector<CameraEstimate>& cameras)>;
+
 struct DriveOptions {
   std::function<void(int done, int total)> progress;  // after each frame; may be empty
   bool landmarks_every_frame = false;
+  CheckRotation check_rotation;  // may be empty
 };
 
 // Gives all frames of the sequence to the estimator. Divergence ends the run, whether the estimator

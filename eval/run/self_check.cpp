@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 namespace slammot {
 namespace {
@@ -22,6 +23,9 @@ constexpr double kMostRejected = 0.15;  // a gate rejects a twentieth of right m
 constexpr double kMostRejectedOfBurst = 0.5;
 constexpr int kLeastStatic = 4;  // in view; fewer do not hold a camera
 constexpr double kLeastShareStatic = 0.1;
+constexpr double kExplains = 0.5;       // of what the five-point estimate does
+constexpr std::size_t kMostWrong = 5;   // one span in so many
+constexpr std::size_t kLeastWrong = 2;  // spans
 
 struct Sums {
   size_t frames = 0;
@@ -99,9 +103,29 @@ std::optional<std::string> hardly_any_is_static(const Sums& s) {
                      100.0 * s.accepted_static / s.accepted, s.frames);
 }
 
+bool disagrees(const RotationSpan& s) { return s.estimate < kExplains * s.five_point; }
+
+// An object that fills the view spoils a few spans of a good run, so a share of them is asked for.
+std::optional<RunWarning> rotation_is_wrong(std::span<const RotationSpan> spans) {
+  std::vector<double> angles;
+  int first = 0;
+  for (const RotationSpan& s : spans) {
+    if (!disagrees(s)) continue;
+    if (angles.empty()) first = s.first;
+    angles.push_back(s.angle);
+  }
+  const std::size_t wrong = angles.size();
+  if (wrong < kLeastWrong || kMostWrong * wrong <= spans.size()) return std::nullopt;
+  std::ranges::nth_element(angles, angles.begin() + static_cast<std::ptrdiff_t>(wrong / 2));
+  return RunWarning{first,
+                    fmt::format("rotation disagrees with a five-point estimate: in {} of {} spans "
+                                "of at most ten frames, by {:.2g} degrees (median)",
+                                wrong, spans.size(), angles[wrong / 2] * 180.0 / std::numbers::pi)};
+}
+
 }  // namespace
 
-std::vector<RunWarning> self_check(const RunResult& run) {
+std::vector<RunWarning> self_check(const RunResult& run, std::span<const RotationSpan> rotations) {
   std::vector<RunWarning> warnings;
   const auto check = [&](size_t frames, const Test& test) {
     if (auto warning = first_failure(run, frames, test)) warnings.push_back(std::move(*warning));
@@ -111,6 +135,7 @@ std::vector<RunWarning> self_check(const RunResult& run) {
   check(kBurst, most_are_rejected_at_once);
   check(kFrames, nothing_is_used);
   check(kFrames, hardly_any_is_static);
+  if (auto warning = rotation_is_wrong(rotations)) warnings.push_back(std::move(*warning));
   std::ranges::stable_sort(warnings, {}, &RunWarning::frame);
   return warnings;
 }

@@ -2,11 +2,16 @@
 // numbers that are finite and wrong, and a covariance that is small.
 #pragma once
 
+#include <span>
+
+#include "estimation/rotation_span.h"
 #include "eval/result/run_result.h"
 
 namespace slammot {
 
-// In the order of their first frame; empty when nothing speaks against the run.
-std::vector<RunWarning> self_check(const RunResult& run);
+// In the order of their first frame; empty when nothing speaks against the run. `rotations`: empty
+// where nobody compared them.
+std::vector<RunWarning> self_check(const RunResult& run,
+                                   std::span<const RotationSpan> rotations = {});
 
 }  // namespace slammot

@@ -95,6 +95,23 @@ TEST(SelfCheck, ManyMoversAreNoReason) {
   EXPECT_TRUE(self_check(run_of(half, 0)).empty());
 }
 
+TEST(SelfCheck, RotationDisagrees) {
+  const RotationSpan good{.first = 0, .last = 10, .five_point = 40, .estimate = 38, .angle = 0.02};
+  std::vector<RotationSpan> spans(20, good);
+  const RunResult run = run_of(kGood, 0);
+  EXPECT_TRUE(self_check(run, spans).empty());
+  for (std::size_t i : {4, 9, 12, 17}) {  // one in five is still allowed
+    spans[i] = {.first = static_cast<int>(i), .last = 20, .five_point = 40, .estimate = 19};
+  }
+  EXPECT_TRUE(self_check(run, spans).empty());
+  spans[7] = {.first = 7, .last = 20, .five_point = 40, .estimate = 10, .angle = 0.1};
+  const std::vector<RunWarning> warnings = self_check(run, spans);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].frame, 4);
+  EXPECT_THAT(warnings[0].reason, HasSubstr("rotation disagrees with a five-point estimate"));
+  EXPECT_THAT(warnings[0].reason, HasSubstr("5 of 20"));
+}
+
 TEST(SelfCheck, ARunTooShortToJudgeIsNotJudged) {
   RunResult run = run_of(FrameCounts{}, 0);
   run.frames.resize(10);

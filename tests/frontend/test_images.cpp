@@ -214,6 +214,34 @@ TEST_F(Images, VelocityOfATruthThatIsNotThere) {
   EXPECT_NE(error_.find("no true pose"), std::string::npos) << error_;
 }
 
+TEST_F(Images, AVelocityThatIsStated) {
+  ASSERT_EQ(track("--initial-velocity 0.5,-1,2e-1 --velocity-sigma 0.3"), 0) << error_;
+  const Sequence tracked = read_native(output());
+  ASSERT_TRUE(tracked.initial);
+  EXPECT_EQ(tracked.initial->state.velocity, Eigen::Vector3d(0.5, -1.0, 0.2));
+  EXPECT_EQ(tracked.initial->velocity_sigma, 0.3);
+  for (const char* bad : {"1,2", "1,2,x", "1,2,3,4", "1,2,nan"}) {
+    EXPECT_EQ(track(std::string("--force --initial-velocity ") + bad), 2) << bad;
+    EXPECT_NE(error_.find("VX,VY,VZ"), std::string::npos) << error_;
+  }
+}
+
+TEST_F(Images, LandmarksThatAreKnown) {
+  const auto known = folder_.path() / "known.csv";
+  test::write_text(known, "track,x,y,z,sigma\n3,1,2,3,0.01\n");
+  ASSERT_EQ(track("--known '" + known.string() + "'"), 0) << error_;
+  const Sequence tracked = read_native(output());
+  ASSERT_EQ(tracked.known.size(), 1u);
+  EXPECT_EQ(tracked.known[0].track, 3);
+  EXPECT_EQ(tracked.known[0].position, Eigen::Vector3d(1.0, 2.0, 3.0));
+  test::write_text(known, "track,x,y,z,sigma\n123456,1,2,3,0.01\n");
+  EXPECT_EQ(track("--force --known '" + known.string() + "'"), 2);
+  EXPECT_NE(error_.find("track 123456 is measured in no image"), std::string::npos) << error_;
+  test::write_text(known, "track,x,y,z,sigma\n3,1,2,3,-1\n");
+  EXPECT_EQ(track("--force --known '" + known.string() + "'"), 2);
+  EXPECT_NE(error_.find("known.csv:2"), std::string::npos) << error_;
+}
+
 TEST_F(Images, ARunIsDrawnOverThem) {
   ASSERT_EQ(track(), 0);
   const std::string run = "run '" + output().string() + "' --estimator ekf --force --output '" +

@@ -1,0 +1,84 @@
+// Runs that are made to fail, each in its own way: each says so, and the same run unspoilt is
+// silent.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/simulation/scenario.h"
+#include "eval/run/run.h"
+#include "frontend/odometry/rotation_check.h"
+#include "tests/eval/fixture.h"
+
+namespace slammot {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::Field;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Sequence scene() { return simulate("circle", {{"frames", "60"}}, 11); }
+
+std::vector<RunWarning> warnings_of(const Sequence& sequence, const std::string& estimator,
+                                    const Configuration& configuration = {}) {
+  DriveOptions options;
+  options.check_rotation = check_rotation;
+  return run_estimator(sequence, configuration, estimator, options).warnings;
+}
+
+auto says(const char* text) { return Contains(Field(&RunWarning::reason, HasSubstr(text))); }
+
+TEST(MadeFailures, AGoodRunSaysNothing) { EXPECT_THAT(warnings_of(scene(), "ekf"), IsEmpty()); }
+
+// The gate hides it: what it lets pass agrees.
+TEST(MadeFailures, NoiseStatedTenTimesTooSmall) {
+  Sequence sequence = scene();
+  sequence.pixel_sigma /= 10.0;
+  EXPECT_THAT(warnings_of(sequence, "ekf"), says("were rejected"));
+  Configuration open;
+  open.model.gate = {1.0, 1.0};
+  EXPECT_THAT(warnings_of(sequence, "ekf", open), says("joint NIS"));
+}
+
+TEST(MadeFailures, LabelsCollapsed) {
+  Sequence sequence = scene();
+  for (auto& [track, landmark] : sequence.landmarks) landmark.label = Label::kMoving;
+  EXPECT_THAT(warnings_of(sequence, "true_labels"), says("are called moving"));
+}
+
+TEST(MadeFailures, NothingStaticInView) {
+  Sequence sequence = scene();
+  for (std::size_t i = 15; i < sequence.frames.size(); ++i) {
+    std::erase_if(sequence.frames[i].observations, [&](const Observation& z) {
+      return sequence.landmarks.at(z.track).label == Label::kStatic;
+    });
+  }
+  EXPECT_THAT(warnings_of(sequence, "true_labels"), says("static landmarks in view"));
+}
+
+// The true camera, which turns away from the truth at this rate [rad/frame] about its own y axis.
+std::vector<RunWarning> turning(const Sequence& sequence, double rate) {
+  test::FakeEstimator estimator([&](const Frame& frame) {
+    test::Belief belief = test::true_belief(sequence, frame);
+    const Eigen::Vector3d turn = rate * frame.index * Eigen::Vector3d::UnitY();
+    Eigen::Quaterniond& R = belief.camera.state.orientation;
+    R = R * exp_so3(turn);
+    belief.report.accepted = belief.report.accepted_static = 10;
+    belief.report.joint_nis = 20.0;
+    return belief;
+  });
+  DriveOptions options;
+  options.check_rotation = check_rotation;
+  return drive(sequence, estimator, options).warnings;
+}
+
+TEST(MadeFailures, RotationWrong) {
+  const Sequence sequence = scene();
+  EXPECT_THAT(turning(sequence, 0.0), IsEmpty());
+  EXPECT_THAT(turning(sequence, 0.01),
+              ElementsAre(Field(&RunWarning::reason,
+                                HasSubstr("rotation disagrees with a five-point estimate"))));
+}
+
+}  // namespace
+}  // namespace slammot
