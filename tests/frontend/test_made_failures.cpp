@@ -43,7 +43,7 @@ TEST(MadeFailures, NoiseStatedTenTimesTooSmall) {
 TEST(MadeFailures, LabelsCollapsed) {
   Sequence sequence = scene();
   for (auto& [track, landmark] : sequence.landmarks) landmark.label = Label::kMoving;
-  EXPECT_THAT(warnings_of(sequence, "true_labels"), says("are called moving"));
+  EXPECT_THAT(warnings_of(sequence, "true_labels"), says("static landmarks"));
 }
 
 TEST(MadeFailures, NothingStaticInView) {
