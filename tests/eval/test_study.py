@@ -222,6 +222,7 @@ class Page(WithStudy):
         cells = [cell for group in json.loads((self.whole / "summary.json").read_text())["groups"] for cell in group["cells"]]
         over = sum(cell["anees"][part]["lower"] > dof for cell in cells for part, dof in (("pose", 6), ("position", 3)))
         over += sum(bool(cell["lost"]) + bool(cell["diverged"]) for cell in cells)
+        over += sum(bool((cell.get("failed_silently") or {}).get("value")) for cell in cells)
         summary = text[text.index("<h2>Summary"):text.index("<h2>", text.index("<h2>Summary") + 4)]
         self.assertEqual(summary.count('<td class="over">'), over)
         self.assertEqual(summary.count('rowspan="2"'), 4)  # two estimators in each of four groups
