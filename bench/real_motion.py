@@ -30,7 +30,7 @@ class TrueCameras:
             raise ValueError(f"{sequence}: the lens {camera['model']} is not known here")
         self.focal = numpy.array([camera["fx"], camera["fy"]])
         self.centre = numpy.array([camera["cx"], camera["cy"]])
-        self.lens = [*camera["distortion"], 0.0, 0.0, 0.0, 0.0][:4]
+        self.lens = [*camera["distortion"], 0.0, 0.0, 0.0, 0.0, 0.0][:5]
         truth = [line.split() for line in (sequence / "groundtruth.tum").read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
         by_time = {round(float(row[0]), 6): [float(v) for v in row[1:]] for row in truth}
         self.poses = {}
@@ -43,9 +43,9 @@ class TrueCameras:
         R, t = self.poses[frame]
         x, y, z = R.T @ (point - t)
         x, y = numpy.array([x, y]) / max(z, 1e-3)  # what is behind the camera explains nothing, in finite numbers
-        k1, k2, p1, p2 = self.lens
+        k1, k2, p1, p2, k3 = self.lens
         r2 = x * x + y * y
-        radial = 1 + k1 * r2 + k2 * r2 * r2
+        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
         bent = numpy.array([x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x), y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y])
         return self.focal * bent + self.centre
 

@@ -48,7 +48,7 @@ struct Camera {
   }
 };
 
-// `pinhole`, `radtan` or `equidistant` with its coefficients (0, 4 and 4; radtan and equidistant
+// `pinhole`, `radtan` or `equidistant` with its coefficients (0, 5 and 4; radtan and equidistant
 // also take fewer, the rest being zero). Throws std::invalid_argument with a reason.
 LensModel make_lens(std::string_view name, std::span<const double> distortion);
 std::string_view lens_name(const LensModel& lens);

@@ -23,26 +23,26 @@ struct PinholeLens {
   Eigen::Matrix2d jacobian(const Eigen::Vector2d&) const { return Eigen::Matrix2d::Identity(); }
 };
 
-// k1, k2, p1, p2.
+// k1, k2, p1, p2, k3, in OpenCV's order.
 struct RadtanLens {
   static constexpr std::string_view kName = "radtan";
-  std::array<double, 4> coefficients{};
+  std::array<double, 5> coefficients{};
 
   template <typename T>
   Vector2<T> distort(const Vector2<T>& x) const {
-    const auto [k1, k2, p1, p2] = coefficients;
+    const auto [k1, k2, p1, p2, k3] = coefficients;
     const T r2 = x.squaredNorm();
-    const T radial = T(1.0) + r2 * (T(k1) + r2 * T(k2));
+    const T radial = T(1.0) + r2 * (T(k1) + r2 * (T(k2) + r2 * T(k3)));
     const T xy = x.x() * x.y();
     return Vector2<T>(x.x() * radial + T(2.0 * p1) * xy + T(p2) * (r2 + T(2.0) * x.x() * x.x()),
                       x.y() * radial + T(p1) * (r2 + T(2.0) * x.y() * x.y()) + T(2.0 * p2) * xy);
   }
 
   Eigen::Matrix2d jacobian(const Eigen::Vector2d& x) const {
-    const auto [k1, k2, p1, p2] = coefficients;
+    const auto [k1, k2, p1, p2, k3] = coefficients;
     const double r2 = x.squaredNorm();
-    const double radial = 1.0 + r2 * (k1 + r2 * k2);
-    const double slope = 2.0 * (k1 + 2.0 * k2 * r2);
+    const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+    const double slope = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));
     Eigen::Matrix2d J = slope * x * x.transpose();
     J(0, 0) += radial + 2.0 * p1 * x.y() + 6.0 * p2 * x.x();
     J(1, 1) += radial + 6.0 * p1 * x.y() + 2.0 * p2 * x.x();

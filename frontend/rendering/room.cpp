@@ -108,7 +108,7 @@ Camera Room::camera() const {
   camera.cx = (options_.width - 1) / 2.0;
   camera.cy = (options_.height - 1) / 2.0;
   if (options_.k1 != 0.0 || options_.k2 != 0.0) {
-    camera.lens = RadtanLens{{options_.k1, options_.k2, 0.0, 0.0}};
+    camera.lens = RadtanLens{{options_.k1, options_.k2, 0.0, 0.0, 0.0}};
   }
   return camera;
 }
