@@ -53,7 +53,7 @@ TEST(MadeFailures, NothingStaticInView) {
       return sequence.landmarks.at(z.track).label == Label::kStatic;
     });
   }
-  EXPECT_THAT(warnings_of(sequence, "true_labels"), says("static landmarks in view"));
+  EXPECT_THAT(warnings_of(sequence, "true_labels"), says("static landmarks"));
 }
 
 // The true camera, which turns away from the truth at this rate [rad/frame] about its own y axis.
