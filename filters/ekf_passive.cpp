@@ -56,8 +56,8 @@ int Ekf::find_passive() {
     }
   }
   std::ranges::sort(anchors_);
-  const auto repeated = std::ranges::unique(anchors_);
-  return rows + 3 * static_cast<int>(repeated.begin() - anchors_.begin());
+  const auto repeated = std::unique(anchors_.begin(), anchors_.end());
+  return rows + 3 * static_cast<int>(repeated - anchors_.begin());
 }
 
 }  // namespace slammot

@@ -29,7 +29,7 @@ void NormalEquations::factorise(Graph& graph, const GraphCamera& camera, double 
 // rest. So the rates are eliminated cheaply (factorise_rates), and what is asked of the newest
 // camera and the map lies in the last rows.
 void NormalEquations::place(Graph& graph) {
-  constexpr int kInPrior = -2;
+  constexpr int kOfPrior = -2;
   core_dim_ = 0;
   const auto to_core = [&](Variable& v) {
     if (v.core >= 0) return;
@@ -38,12 +38,12 @@ void NormalEquations::place(Graph& graph) {
   };
   graph.variables.for_each([](Variable& v) { v.core = -1; });
   for (const MarginalPrior::Block& block : graph.prior().active.blocks()) {
-    graph.variables[block.variable->id].core = kInPrior;
+    graph.variables[block.variable->id].core = kOfPrior;
   }
   const auto& motions = graph.motions;
   for (std::size_t i = motions.size(); i-- > 1;) {
     Variable& rates = graph.variables[motions[i].from.rates];
-    if (rates.core == kInPrior) break;
+    if (rates.core == kOfPrior) break;
     to_core(rates);
   }
   rates_dim_ = core_dim_;

@@ -121,7 +121,7 @@ void Window::add_inactive(Eigen::Ref<Eigen::MatrixXd> HPHt) const {
   if (ids.size() < 2) return;
   std::vector<VariableId> distinct = ids;
   std::ranges::sort(distinct);
-  distinct.erase(std::ranges::unique(distinct).begin(), distinct.end());
+  distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
   const Eigen::MatrixXd Sigma = graph_.prior().inactive.covariance(distinct);
   const auto place = [&](VariableId id) {
     return 3 * (std::ranges::lower_bound(distinct, id) - distinct.begin());

@@ -136,8 +136,8 @@ void Window::reactivate_measured() {
     }
   }
   std::ranges::sort(returning_);
-  const auto last = std::ranges::unique(returning_);
-  returning_.erase(last.begin(), last.end());
+  const auto last = std::unique(returning_.begin(), returning_.end());
+  returning_.erase(last, returning_.end());
   graph_.reactivate(returning_);
 }
 
