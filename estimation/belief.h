@@ -70,6 +70,18 @@ class Belief {
   // 0 is used as a measurement.
   virtual void collapse(std::span<const int> tracks) = 0;
 
+  // What the motion of static landmarks that update() used would be, were it not held at rest; of
+  // those whose motion is still remembered (LabelOptions::memory), the others being as they are
+  // labelled. Filled in as motions().
+  virtual void held_motions(std::span<const int> /*tracks*/, const TrackRecords& /*records*/,
+                            std::vector<MotionBelief>& result) {
+    result.clear();
+  }
+
+  // A static landmark whose motion is remembered is free again as if it had never been static: what
+  // the label has done to the rest is undone.
+  virtual void release(int track, const LandmarkPrior& prior) { free(track, prior); }
+
   // A static landmark is free again from this frame on, its motion's prior restored.
   virtual void free(int track, const LandmarkPrior& prior) = 0;
 

@@ -12,6 +12,8 @@ bool reversible(const LabelOptions& options) { return options.rule == LabelRule:
 
 }  // namespace
 
+int motion_memory(const LabelOptions& options) { return reversible(options) ? options.memory : 0; }
+
 bool watches_innovations(const LabelOptions& options) { return reversible(options); }
 
 bool is_asked(const TrackRecord& record, const LabelOptions& options) {

@@ -18,6 +18,9 @@ bool is_asked(const TrackRecord& record, const LabelOptions& options);
 // The answer of the classifier. A moving landmark only ever hears that it is static.
 void note_answer(TrackRecord& record, Label answer, int frame);
 
+// Frames for which a belief remembers the motion of a landmark that has become static; 0: not.
+int motion_memory(const LabelOptions& options);
+
 // Whether anything is made of note_innovation().
 bool watches_innovations(const LabelOptions& options);
 

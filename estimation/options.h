@@ -66,9 +66,9 @@ struct ClassifierOptions {
   double static_threshold = 1.6;  // t_s [(m/s)^-3], thesis (3.1)
   double moving_threshold =
       3.583;                    // t_m, thesis (3.2): sqrt of the 0.995 quantile of chi-square(3)
-  double prior_odds = 1.0;      // odds: of static to moving, before any measurement
+  double prior_odds = 2.0;      // odds: of static to moving, before any measurement
   double decisive_odds = 20.0;  // odds: posterior ones that decide, either way
-  double hidden_speed = 0.8;    // odds: of a static landmark at most (classification.h)
+  double hidden_speed = 3.0;    // odds: of a static landmark at most (classification.h)
   std::map<std::string, double> own = own_numbers();
 };
 
@@ -77,6 +77,7 @@ struct LabelOptions {
   LabelRule rule = LabelRule::kReversible;
   int window = 10;            // reversible: innovations in the test of a static label
   double probability = 1e-4;  // reversible: of a right label being rejected in a frame
+  int memory = 60;  // reversible: frames for which a static landmark's motion is remembered
   FirstFrameLabels first_frame = FirstFrameLabels::kOdds;
   int start = 1;        // odds: frames after which the first frame's labels are decided
   int start_over = 40;  // odds: frames in which one that is rejected starts the run over

@@ -12,6 +12,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
     : setup_(setup),
       options_(options),
       condition_(models.collapse == Collapse::kCondition),
+      memory_(condition_ && !options.delayed ? motion_memory(models.labels) : 0),
       gate_threshold_(pixel_threshold(models.gate.probability)),
       functions_(find_landmark(models.landmark, models.point)),
       linearisation_(options.linearisation, functions_, setup.truth) {
@@ -52,6 +53,7 @@ void Ekf::predict(const Frame& frame, double dt, const TrackRecords& records) {
   if (options_.deferred) divide(frame);
   frame_ = frame.index;
   ++frames_;
+  forget_motions();
   if (dt == 0.0) return;
   if (!state_.clones.empty()) state_.clone_pose(clone_of(frames_ - 1));
   const CameraState at = linearisation_.camera(state_);
@@ -60,6 +62,7 @@ void Ekf::predict(const Frame& frame, double dt, const TrackRecords& records) {
   state_.camera = slammot::predict(state_.camera, dt);
   for (auto& [track, landmark] : state_.landmarks) {
     if (landmark.is_free()) predict_landmark(track, landmark, records.at(track).label, dt);
+    if (landmark.is_held()) predict_held(landmark, dt);
   }
   linearisation_.predicted(state_, frame.index, dt);
 }
@@ -134,10 +137,11 @@ void Ekf::motions(std::span<const int> tracks, std::vector<MotionBelief>& result
 
 void Ekf::collapse(std::span<const int> tracks) {
   if (condition_) condition_on_rest(tracks);
-  for (const int track : tracks) state_.drop_motion(track);
+  for (const int track : tracks) state_.drop_motion(track);  // unless it is held
 }
 
 void Ekf::free(int track, const LandmarkPrior& prior) {
+  state_.forget_motion(track);
   state_.free_motion(track, functions_.prior_sigmas(prior));
 }
 
@@ -161,13 +165,16 @@ bool Ekf::add(const Observation& z, const FilterPose& pose, int frame, const Lan
   return true;
 }
 
-// Without a positive diagonal nothing that follows means anything.
+// Without a positive diagonal nothing that follows means anything; what is held has a negative one.
 void Ekf::finish() {
   const auto diagonal = state_.covariance.diagonal();
   const StateBlock adjoint = state_.passive.adjoint();  // no covariance stands there
-  const auto positive = [](const auto& d) { return d.size() == 0 || d.minCoeff() >= 0.0; };
-  if (!diagonal.allFinite() || !positive(diagonal.head(adjoint.offset)) ||
-      !positive(diagonal.tail(diagonal.size() - adjoint.end()))) {
+  const auto negative = [](const auto& d) { return (d.array() < 0.0).count(); };
+  Eigen::Index held = 0;
+  for (const auto& [track, landmark] : state_.landmarks) held += landmark.held_block.dim;
+  if (!diagonal.allFinite() || negative(diagonal.head(adjoint.offset)) +
+                                       negative(diagonal.tail(diagonal.size() - adjoint.end())) !=
+                                   held) {
     throw Diverged("the covariance has a negative or infinite variance");
   }
 }

@@ -23,7 +23,10 @@ class Ekf final : public Belief {
   void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override;
   void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override;
   void collapse(std::span<const int> tracks) override;
+  void held_motions(std::span<const int> tracks, const TrackRecords& records,
+                    std::vector<MotionBelief>& result) override;
   void free(int track, const LandmarkPrior& prior) override;
+  void release(int track, const LandmarkPrior& prior) override;
   void remove(std::span<const int> tracks, const TrackRecords& records) override;
   bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override;
   void add_seen(std::span<const Candidate> candidates, std::vector<int>& refused) override;
@@ -39,6 +42,8 @@ class Ekf final : public Belief {
 
  private:
   void predict_landmark(int track, FilterLandmark& landmark, Label label, double dt);
+  void predict_held(FilterLandmark& landmark, double dt);
+  void forget_motions();
   void condition_on_rest(std::span<const int> tracks);
   FilterPose& clone_of(int frame);
   bool add(const Observation& z, const FilterPose& pose, int frame, const LandmarkPrior& prior,
@@ -60,6 +65,7 @@ class Ekf final : public Belief {
   Setup setup_;
   EkfOptions options_;
   bool condition_;  // on collapse, w = 0 is used
+  int memory_;      // frames for which the motion of a static landmark is remembered
   double gate_threshold_;
   const LandmarkFunctions& functions_;
   JointState state_;

@@ -17,6 +17,45 @@ void Ekf::predict_landmark(int track, FilterLandmark& landmark, Label label, dou
   state_.covariance.propagate({landmark.y_block, landmark.w_block}, F, G * G.transpose());
 }
 
+// What is remembered of a static landmark's motion: with w it would have moved.
+void Ekf::predict_held(FilterLandmark& landmark, double dt) {
+  const LandmarkVector at = landmark_state(landmark.y, MotionVector::Zero(functions_.motion));
+  const LandmarkMatrix F = functions_.predict_jacobian(at, dt);
+  state_.covariance.add(landmark.y_block, landmark.held_block,
+                        F.topRightCorner(3, functions_.motion));
+}
+
+// Of what is static for long enough, or out of view.
+void Ekf::forget_motions() {
+  constexpr int kUnseen = 5;  // frames
+  for (auto& [track, landmark] : state_.landmarks) {
+    const bool is_old = frames_ - landmark.held_since > memory_;
+    if (is_old || frames_ - landmark.last_used > kUnseen) state_.forget_motion(track);
+  }
+}
+
+void Ekf::held_motions(std::span<const int> tracks, const TrackRecords& /*records*/,
+                       std::vector<MotionBelief>& result) {
+  result.clear();
+  for (const int track : tracks) {
+    const FilterLandmark& landmark = state_.landmarks.at(track);
+    if (!landmark.is_held()) continue;
+    const auto held = state_.held_motion(track);
+    if (!held) throw Diverged("the information of a held motion is not positive definite");
+    MotionBelief& motion = result.emplace_back();
+    motion.track = track;
+    motion.w = held->mean;
+    motion.covariance = held->covariance;
+    motion.density_scale = functions_.density_scale(landmark_state(landmark.y, held->mean));
+  }
+}
+
+void Ekf::release(int track, const LandmarkPrior& /*prior*/) {
+  const auto held = state_.held_motion(track);
+  if (!held) throw Diverged("the information of a held motion is not positive definite");
+  linearisation_.correct(state_, state_.release_motion(track, *held));
+}
+
 // w = 0 as an exact measurement: K = P[:,w] P_ww^-1.
 void Ekf::condition_on_rest(std::span<const int> tracks) {
   const Eigen::Index n = functions_.motion, m = n * std::ssize(tracks);
@@ -34,8 +73,21 @@ void Ekf::condition_on_rest(std::span<const int> tracks) {
   if (P_ww.info() != Eigen::Success) throw Diverged("a velocity's covariance is not positive");
   Eigen::MatrixXd W = P_w;
   P_ww.matrixU().solveInPlace<Eigen::OnTheRight>(W);
-  const Eigen::VectorXd dx = -W * P_ww.matrixL().solve(w);
+  Eigen::VectorXd dx = -W * P_ww.matrixL().solve(w);
   state_.covariance.subtract_outer(W);
+  if (memory_ > 0) {
+    const Eigen::MatrixXd J = P_ww.solve(Eigen::MatrixXd::Identity(m, m));
+    const Eigen::VectorXd j = P_ww.solve(w);
+    Eigen::MatrixXd sensitivity = P_w * J;
+    sensitivity(rows, Eigen::all) = -J;
+    dx(rows).setZero();
+    for (std::size_t i = 0; i < tracks.size(); ++i) {
+      const auto at = n * static_cast<Eigen::Index>(i);
+      state_.landmarks.at(tracks[i]).held_since = frames_;
+      state_.hold_motion(tracks[i], sensitivity.middleCols(at, n), J.block(at, at, n, n),
+                         j.segment(at, n));
+    }
+  }
   linearisation_.correct(state_, dx);
 }
 

@@ -94,9 +94,7 @@ const std::vector<int>& LandmarkManager::classify(int frame, std::span<const Obs
   belief.motions(tracks_, motions_);
   for (MotionBelief& motion : motions_) {
     TrackRecord& record = records_.at(motion.track);
-    motion.prior_sigmas = functions_.prior_sigmas(record.prior);
-    motion.prior_velocity_sigma = record.prior.velocity_sigma();
-    note_answer(record, classifier_->decide(motion, record.classifier_memory), frame);
+    note_answer(record, answer(motion, record), frame);
     if (record.label == Label::kStatic) now_static_.push_back(motion.track);
   }
   return now_static_;
@@ -110,6 +108,38 @@ void LandmarkManager::revert_labels(std::span<const Observation> measured, Belie
     note_reverted(record);
     belief.free(z.track, record.prior);
   }
+  release_what_moved(measured, belief);
+}
+
+// The classifier's question, put to what is static by an earlier answer of it: were its motion not
+// held at rest, would it say moving? Only the surest in a frame: what bends the map makes others
+// look moving, too.
+void LandmarkManager::release_what_moved(std::span<const Observation> measured, Belief& belief) {
+  if (motion_memory(models_.labels) == 0) return;
+  tracks_.clear();
+  for (const Observation& z : measured) {
+    const TrackRecord& record = records_.at(z.track);
+    if (record.label == Label::kStatic && !first_.holds(record)) tracks_.push_back(z.track);
+  }
+  belief.held_motions(tracks_, records_, motions_);
+  double surest = 0.0;
+  TrackRecord* released = nullptr;
+  for (MotionBelief& motion : motions_) {
+    TrackRecord& record = records_.at(motion.track);
+    const double distance = mahalanobis_from_zero(motion.w, motion.covariance);
+    if (answer(motion, record) != Label::kMoving || distance <= surest) continue;
+    surest = distance;
+    released = &record;
+  }
+  if (released == nullptr) return;
+  note_reverted(*released);
+  belief.release(released->track, released->prior);
+}
+
+Label LandmarkManager::answer(MotionBelief& motion, TrackRecord& record) const {
+  motion.prior_sigmas = functions_.prior_sigmas(record.prior);
+  motion.prior_velocity_sigma = record.prior.velocity_sigma();
+  return classifier_->decide(motion, record.classifier_memory);
 }
 
 // Judged at the estimate. Where Jacobians are taken at the truth it is judged there: what is

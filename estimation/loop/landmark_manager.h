@@ -42,6 +42,8 @@ class LandmarkManager {
   std::vector<LandmarkEstimate> estimates(std::span<const int> tracks, const Belief& belief) const;
 
  private:
+  void release_what_moved(std::span<const Observation> measured, Belief& belief);
+  Label answer(MotionBelief& motion, TrackRecord& record) const;
   void remove(Belief& belief, FrameReport& report);  // tracks_
   TrackRecord record_at_birth(int track, int frame, const LandmarkPrior& prior);
   bool expected_in_view(int frame, const CameraState& camera, const LandmarkPoint& point) const;

@@ -166,6 +166,9 @@ std::vector<ConfigurationKey> model_keys() {
              SLAMMOT_FIELD(model.labels.window)),
       number("labels.probability", "reversible: of a right static label being rejected in a frame",
              kInsideUnit, SLAMMOT_FIELD(model.labels.probability)),
+      number("labels.memory",
+             "reversible: frames for which what a static landmark's motion would be is remembered",
+             kNotNegative, SLAMMOT_FIELD(model.labels.memory)),
       option<FirstFrameLabels>("labels.first_frame",
                                "landmarks of the first frame: decided together (odds), static by "
                                "rule (thesis 4.2), or unknown as later ones are",

@@ -131,6 +131,20 @@ StateBlock JointCovariance::append(const std::vector<Dependence>& dependences, c
   return added;
 }
 
+void JointCovariance::assign(StateBlock b, const Eigen::MatrixXd& cross, const Block& own) {
+  gathered_.resize(size_, b.dim);
+  *gathered_ = cross;
+  scatter({b}, own);
+}
+
+void JointCovariance::add(StateBlock a, StateBlock b, const Block& M) {
+  if (a.offset < b.offset) {
+    storage_.block(a.offset, b.offset, a.dim, b.dim) += M;
+  } else {
+    storage_.block(b.offset, a.offset, b.dim, a.dim) += M.transpose();
+  }
+}
+
 StateBlock JointCovariance::append_rows(const Eigen::MatrixXd& cross, const Eigen::MatrixXd& own) {
   const StateBlock added{size_, static_cast<int>(own.rows())};
   reserve(added.end());

@@ -63,6 +63,12 @@ class JointCovariance {
   // P := P + A' B, which must be symmetric.
   void add_product(Eigen::Ref<const Eigen::MatrixXd> A, Eigen::Ref<const Eigen::MatrixXd> B);
 
+  // P[:, b] := cross with its mirror, and P[b, b] := own.
+  void assign(StateBlock b, const Eigen::MatrixXd& cross, const Block& own);
+
+  // P[a, b] := P[a, b] + M with its mirror, of two different blocks.
+  void add(StateBlock a, StateBlock b, const Block& M);
+
   // P := values.
   void assign(const Eigen::MatrixXd& values);
 

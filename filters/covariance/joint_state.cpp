@@ -19,6 +19,9 @@ void JointState::move(Eigen::Ref<const Eigen::VectorXd> dx) {
     if (landmark.is_passive()) continue;
     landmark.y += dx.segment<3>(landmark.y_block.offset);
     if (landmark.is_free()) landmark.w += dx.segment(landmark.w_block.offset, landmark.w_block.dim);
+    if (landmark.is_held()) {
+      landmark.held += dx.segment(landmark.held_block.offset, landmark.held_block.dim);
+    }
   }
   if (!passive.empty())
     passive.correct(dx.segment(passive.adjoint().offset, passive.adjoint().dim));
@@ -50,6 +53,7 @@ void JointState::follow(StateBlock from, StateBlock to) {
   for (auto& [track, landmark] : landmarks) {
     moved(landmark.y_block);
     if (landmark.is_free()) moved(landmark.w_block);
+    if (landmark.is_held()) moved(landmark.held_block);
   }
 }
 
@@ -58,7 +62,8 @@ bool JointState::is_last(int dim) const {
   const auto ends_it = [&](StateBlock b) { return !b.passive && b.end() == end && b.dim == dim; };
   return std::ranges::any_of(anchors, [&](const auto& a) { return ends_it(a.second.block); }) ||
          std::ranges::any_of(landmarks, [&](const auto& l) {
-           return ends_it(l.second.y_block) || ends_it(l.second.w_block);
+           return ends_it(l.second.y_block) || ends_it(l.second.w_block) ||
+                  ends_it(l.second.held_block);
          });
 }
 
@@ -73,6 +78,7 @@ void JointState::remove_block(StateBlock block) {
     for (auto& [track, landmark] : landmarks) {
       moved_up(landmark.y_block);
       moved_up(landmark.w_block);
+      moved_up(landmark.held_block);
     }
     return;
   }
@@ -84,6 +90,7 @@ void JointState::remove_landmarks(std::span<const int> tracks) {
   for (const int track : tracks) {
     const auto landmark = landmarks.find(track);
     drop_motion(track);
+    forget_motion(track);
     const StateBlock y = landmark->second.y_block;
     const auto anchor = anchors.find(landmark->second.anchor);
     landmarks.erase(landmark);

@@ -4,7 +4,7 @@
 // ever, so they are stored once. Layout of the error state: camera 12, the scene's depth (1) when
 // it is to be learnt, poses of past frames (6 each) where a lag is asked for, the adjoint of the
 // passive map where there is one (passive_map.h), then in any order an anchor (3), the y of a
-// landmark (3), the w of a free one.
+// landmark (3), the w of a free one, and what is remembered of the motion of a static one.
 #pragma once
 
 #include <map>
@@ -31,6 +31,13 @@ struct FilterLandmark {
   StateBlock y_block;
   StateBlock w_block;  // empty when static
 
+  // Static, but what its motion would be is remembered (held_motion.cpp): the rows of the block are
+  // minus the information of w, and the state's sensitivity to w; `held` is the information vector.
+  StateBlock held_block;
+  MotionVector held;
+  int held_since = 0;  // the frame, counted by the filter
+
+  bool is_held() const { return held_block.dim > 0; }
   bool is_free() const { return w_block.dim > 0; }
   bool is_passive() const { return y_block.passive; }
   int dim() const { return y_block.dim + w_block.dim; }
@@ -99,6 +106,20 @@ struct JointState {
 
   // A static landmark is free again, with w ~ N(0, diag(sigmas)^2).
   void free_motion(int track, const MotionVector& sigmas);
+
+  // held_motion.cpp. After w = 0 was used as a measurement: the rows of w become those that
+  // remember it. `sensitivity` is P[:, w] P_ww^-1, `information` P_ww^-1 and `vector` P_ww^-1 w.
+  void hold_motion(int track, const Eigen::MatrixXd& sensitivity,
+                   const Eigen::MatrixXd& information, const Eigen::VectorXd& vector);
+  // The marginal of w, were it not held: mean and covariance. None when it is not determined.
+  struct HeldMotion {
+    MotionVector mean;
+    MotionMatrix covariance;
+  };
+  std::optional<HeldMotion> held_motion(int track) const;
+  // As if w = 0 had never been used. Returns the correction of the state, to be made.
+  Eigen::VectorXd release_motion(int track, const HeldMotion& motion);
+  void forget_motion(int track);
 
  private:
   // The rows of `from` are now those of `to`.

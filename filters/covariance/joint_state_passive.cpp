@@ -32,6 +32,7 @@ void JointState::deactivate(const std::vector<int>& tracks) {
     (is_idle ? deactivated : kept).push_back(&landmark.y_block);
     if (is_idle) continue;
     if (landmark.is_free()) kept.push_back(&landmark.w_block);
+    if (landmark.is_held()) kept.push_back(&landmark.held_block);
     used.insert(landmark.anchor);
   }
   for (auto& [frame, anchor] : anchors) {

@@ -28,6 +28,26 @@ void LandmarkBlock::weigh_pixel(int pixel, Eigen::Ref<Eigen::MatrixXd> B,
   }
 }
 
+void LandmarkBlock::weigh(const Eigen::Ref<const Eigen::MatrixXd>& A, Eigen::Ref<Eigen::MatrixXd> C,
+                          MotionMatrix& own) const {
+  const Eigen::Index pixels = A.rows();
+  Eigen::MatrixXd PA = Eigen::MatrixXd::Zero(rows_, A.cols());  // birth's rows stand last
+  if (independent_) {
+    PA.topRows(pixels) = A;
+  } else {
+    PA.noalias() = (*P_).leftCols(pixels) * A;
+  }
+  own = A.transpose() * PA.topRows(pixels);
+  C.setZero();
+  for (int i = 0; i < pixels_; ++i) {
+    C.middleRows<6>(poses_[static_cast<std::size_t>(i)]).noalias() +=
+        (*A_).middleRows<2>(2 * i).transpose() * PA.middleRows<2>(2 * i);
+  }
+  for (const Shared& s : shared_) {
+    C.middleRows(s.core, s.dim).noalias() += (*S_).middleCols(s.column, s.dim).transpose() * PA;
+  }
+}
+
 void NormalEquations::whiten(Eigen::Ref<Eigen::MatrixXd> C) const { solve_lower_in_place(*S_, C); }
 
 void GivenOthers::add(const NormalEquations& equations, const LandmarkBlock& block, int pixel,

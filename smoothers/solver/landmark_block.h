@@ -47,6 +47,9 @@ class LandmarkBlock {
   // Of one pixel, by its place: (P J)' over the core, core x 2, its own block of P, and P times the
   // residuals as they are with the core at the linearisation. [given_others.cpp]
   void weigh_pixel(int pixel, Eigen::Ref<Eigen::MatrixXd> B, Eigen::Matrix2d& own) const;
+  // Of all pixels, two rows of A each: C := (P J)' A, core x columns, and own := A' P A.
+  void weigh(const Eigen::Ref<const Eigen::MatrixXd>& A, Eigen::Ref<Eigen::MatrixXd> C,
+             MotionMatrix& own) const;
   Eigen::Vector2d weighed_residual(int pixel) const { return e_.segment<2>(2 * pixel); }
 
  private:

@@ -28,6 +28,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
     : setup_(setup),
       options_(options),
       condition_(models.collapse == Collapse::kCondition),
+      memory_(condition_ ? motion_memory(models.labels) : 0),
       functions_(find_landmark(models.landmark, models.point)),
       loss_(make_loss(options.loss)),
       graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get()},
@@ -131,6 +132,7 @@ void Window::collapse(std::span<const int> tracks) {
       histories_->passed(track, states);
     }
     landmark.is_free = false;
+    landmark.rests_since = cameras_.newest().number;
     landmark.base = cameras_.newest().camera.position;
     if (condition_) {
       graph_.condition_on_rest(landmark.id);
@@ -156,6 +158,7 @@ void Window::free(int track, const LandmarkPrior& prior) {
   if (histories_) histories_->rested_until(track, cameras_.newest().number, at_rest(landmark));
   landmark.base = cameras_.newest().camera.position;
   landmark.is_free = true;
+  landmark.rests_since.reset();
   graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
   truth_.apply(landmark);
 }

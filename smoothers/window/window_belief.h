@@ -9,10 +9,10 @@
 
 #include "estimation/belief.h"
 #include "estimation/gate.h"
+#include "smoothers/graph/track_history.h"
 #include "smoothers/solver/given_others.h"
 #include "smoothers/solver/marginalise.h"
 #include "smoothers/solver/optimise.h"
-#include "smoothers/window/track_history.h"
 #include "smoothers/window/truth_linearisation.h"
 #include "smoothers/window/window.h"
 
@@ -41,7 +41,10 @@ class Window final : public Belief {
   void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override;
   void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override;
   void collapse(std::span<const int> tracks) override;
+  void held_motions(std::span<const int> tracks, const TrackRecords& records,
+                    std::vector<MotionBelief>& result) override;
   void free(int track, const LandmarkPrior& prior) override;
+  void release(int track, const LandmarkPrior& prior) override;
   void remove(std::span<const int> tracks, const TrackRecords& records) override;
   bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override;
   void add_seen(std::span<const Candidate> candidates, std::vector<int>& refused) override;
@@ -76,6 +79,11 @@ class Window final : public Belief {
   // window_landmarks.cpp: chains.
   void extend(WindowLandmark& landmark, Label label, double dt);
   void end_chain(WindowLandmark& landmark);
+
+  // window_held.cpp: static landmarks that may have moved.
+  bool is_remembered(const WindowLandmark& landmark) const;
+  void motion_rows(const WindowLandmark& landmark, GrowingMatrix& A) const;
+  void move_since(WindowLandmark& landmark, const WindowFrame& base);
 
   // window_retest.cpp
   void note_refused(std::span<const Observation> accepted);
@@ -124,6 +132,7 @@ class Window final : public Belief {
   Setup setup_;
   WindowOptions options_;
   bool condition_;  // on collapse, w = 0 is used
+  int memory_;      // frames for which the motion of a static landmark is remembered
   const LandmarkFunctions& functions_;
   std::unique_ptr<ceres::LossFunction> loss_;
   Graph graph_;
@@ -151,7 +160,7 @@ class Window final : public Belief {
   // Of the frame in hand, kept for their memory.
   std::vector<int> measured_, used_;
   std::vector<Expected> expected_;
-  GrowingMatrix core_columns_;
+  GrowingMatrix core_columns_, motion_rows_, motion_columns_;
   mutable std::vector<LandmarkId> ids_;
   Leaving leaving_;
   std::vector<VariableId> returning_;

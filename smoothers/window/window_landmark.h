@@ -11,7 +11,8 @@ struct WindowLandmark {
   int last_used = 0;    // Frame::index of its newest accepted measurement
   VariableId base = 0;  // camera position of the frame where its chain begins
   bool is_free = false;
-  bool drops = false;  // it has become static: w is marginalised before the next update
+  std::optional<int> rests_since;  // WindowFrame::number, when a classifier found it static
+  bool drops = false;              // it has become static: w is marginalised before the next update
 };
 
 // A measurement in the window that its landmark does not use, for `window.retest`.

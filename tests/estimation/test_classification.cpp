@@ -65,6 +65,7 @@ TEST(Thesis, TheDensityIsThatOfTheVelocityInMetres) {
 ClassifierOptions odds() {
   ClassifierOptions options;
   options.name = "odds";
+  options.prior_odds = 1.0;
   options.decisive_odds = 100.0;
   options.hidden_speed = 0.3;
   return options;

@@ -61,6 +61,7 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
   slammot::Setup setup = make_setup(sequence, Configuration{});
   ModelOptions models;
   models.labels.rule = GetParam().labels == "one_way" ? LabelRule::kOneWay : LabelRule::kReversible;
+  models.labels.memory = 0;  // a window remembers its pixels, here one, a filter all of them
   setup.prior.mean_sigma = GetParam().mean_sigma;
   if (GetParam().inverse_depth_sigma > 0.0) {
     setup.prior.inverse_depth_sigma = GetParam().inverse_depth_sigma;

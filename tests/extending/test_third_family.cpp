@@ -16,6 +16,9 @@ namespace {
 Configuration quick() {
   Configuration configuration;
   configuration.model.policy.max_visible = 30;
+  // It remembers no motions (Belief::held_motions), so that a static label must be surer.
+  configuration.model.classifier.prior_odds = 1.0;
+  configuration.model.classifier.hidden_speed = 0.8;
   return configuration;
 }
 

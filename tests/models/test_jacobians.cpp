@@ -141,7 +141,8 @@ namespace {
 INSTANTIATE_TEST_SUITE_P(Lenses, ObservationJacobians,
                          testing::Values(camera_with("pinhole", {}),
                                          camera_with("radtan", {-0.2967, 0.0809, 1e-3, -2e-3}),
-                                         camera_with("radtan", {-0.2967, 0.0809, 1e-3, -2e-3, 0.01}),
+                                         camera_with("radtan",
+                                                     {-0.2967, 0.0809, 1e-3, -2e-3, 0.01}),
                                          camera_with("equidistant", {-0.02, 0.003, -0.004, 0.001})),
                          [](const auto& tested) {
                            return std::string(lens_name(tested.param.lens)) +

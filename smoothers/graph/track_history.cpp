@@ -1,4 +1,4 @@
-#include "smoothers/window/track_history.h"
+#include "smoothers/graph/track_history.h"
 
 #include <algorithm>
 
@@ -29,7 +29,7 @@ void TrackHistories::passed(int track, std::span<const LandmarkVector> states) {
 void TrackHistories::rested_until(int track, int frame, const LandmarkVector& state) {
   TrackHistory& history = open_.at(track);
   const auto count = static_cast<std::size_t>(frame - history.first);
-  if (history.states.size() < count) history.states.resize(count, state);
+  history.states.resize(count, state);
 }
 
 void TrackHistories::end(const TrackRecord& record, int frame, bool is_free,

@@ -31,7 +31,8 @@ class TrackHistories {
   void let_go(int track, int frame);  // a measurement that turned out to be wrong
   // The next states of a free landmark, as they leave the window or it becomes static.
   void passed(int track, std::span<const LandmarkVector> states);
-  // It was static up to the frame before `frame`, in this state (y, 0).
+  // It was static up to the frame before `frame`, in this state (y, 0); what passed since is not
+  // so.
   void rested_until(int track, int frame, const LandmarkVector& state);
   // The states still in the window, the newest last (of a static landmark only that), end it.
   void end(const TrackRecord& record, int frame, bool is_free,

@@ -1,0 +1,92 @@
+// A label that is taken back takes its damage back. A classifier that errs on purpose calls
+// movers static at its first answer, every third or all of them, and then asks the odds as it
+// should. With labels.memory the error of every third is that of a run in which it never erred.
+// Without, what all of them did stays in the map.
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "datasets/simulation/scenario.h"
+#include "estimation/classification.h"
+#include "eval/run/process.h"
+#include "eval/run/run.h"
+
+namespace slammot {
+namespace {
+
+class Mistaken final : public Classifier {
+ public:
+  Mistaken(const ClassifierOptions& options, const std::map<int, Label>& truth, int every)
+      : odds_(make_classifier(odds(options), truth)) {
+    for (const auto& [track, label] : truth) {
+      if (label == Label::kMoving && track % every == 0) errs_on_.insert(track);
+    }
+  }
+  Label decide(const MotionBelief& belief, ClassifierMemory& memory) const override {
+    return errs_on_.erase(belief.track) > 0 ? Label::kStatic : odds_->decide(belief, memory);
+  }
+
+ private:
+  static ClassifierOptions odds(ClassifierOptions options) {
+    options.name = "odds";
+    return options;
+  }
+  std::unique_ptr<Classifier> odds_;
+  mutable std::set<int> errs_on_;
+};
+
+template <int every>
+std::unique_ptr<Classifier> make(const ClassifierOptions& o, const std::map<int, Label>& truth) {
+  return std::make_unique<Mistaken>(o, truth, every);
+}
+
+constexpr ClassifierRow kMistaken[] = {{"mistaken_in_some", "of every third mover", make<3>},
+                                       {"mistaken_in_all", "of all movers", make<1>}};
+
+class TakenBack : public testing::TestWithParam<std::string> {
+ protected:
+  static void SetUpTestSuite() {
+    prepare_process();
+    static const bool added = [] {
+      add_classifiers(kMistaken);
+      return true;
+    }();
+    ASSERT_TRUE(added);
+  }
+
+  // Of the position, root mean square over the runs [m].
+  static double error(const std::string& classifier, int memory) {
+    Configuration configuration;
+    configuration.model.classifier.name = classifier;
+    configuration.model.labels.memory = memory;
+    const int seeds = GetParam() == "window" ? 3 : 8;  // a window takes seconds
+    double square = 0.0;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      const Sequence sequence =
+          simulate("circle", {{"frames", "90"}}, static_cast<std::uint64_t>(seed));
+      const RunResult result = run_estimator(sequence, configuration, GetParam());
+      EXPECT_FALSE(result.diverged);
+      for (std::size_t i = 0; i < result.filtered.size(); ++i) {
+        const Eigen::Vector3d& p = result.filtered[i].state.position;
+        square += (p - sequence.truth[i]->position).squaredNorm() /
+                  static_cast<double>(seeds * std::ssize(result.filtered));
+      }
+    }
+    return std::sqrt(square);
+  }
+};
+
+TEST_P(TakenBack, ItsDamageGoesWithIt) {
+  const double never = error("odds", 60), some = error("mistaken_in_some", 60);
+  const double all = error("mistaken_in_all", 60), kept = error("mistaken_in_all", 0);
+  std::printf("never wrong %.3f m, every third %.3f m, all %.3f m, all without memory %.3f m\n",
+              never, some, all, kept);
+  EXPECT_LT(some, 1.2 * never);
+  EXPECT_LT(all, 0.6 * kept);
+}
+
+INSTANTIATE_TEST_SUITE_P(Labels, TakenBack, testing::Values("ekf", "window"),
+                         [](const auto& tested) { return tested.param; });
+
+}  // namespace
+}  // namespace slammot
