@@ -46,7 +46,8 @@ struct CompareOptions {
   bool landmarks_every_frame = false;
   CheckRotation check_rotation;  // may be empty
   MetricTable metrics = metric_table();
-  std::function<void(const std::string& label, int done, int total)> progress;  // may be empty
+  // After each frame of a run, of which `run` were before; may be empty.
+  std::function<void(const std::string& label, std::size_t run, int done, int total)> progress;
 };
 
 // Each estimator with each landmark model, labelled `estimator-landmark`; once, if it has no
