@@ -3,6 +3,7 @@
 // compare.json (what report/compare_report.py reads; null where a number is not defined):
 //   format "slammot-compare-1", version, command,
 //   sequence {name, path, sha256, seed, frames, exact_truth, width, height, pixel_sigma}
+//            in a report of runs that of the first, and {count, names[]} of all
 //   truth    {timestamp[], position[[x,y,z]], landmarks[{track, class, position[x,y,z],
 //   last[x,y,z]}]}
 //            `last` is where a moving landmark is at its last frame

@@ -178,7 +178,7 @@ def pooled(comparison):
     names = ["ekf", "ekf", "mine", "mine"]
     for i, (run, name) in enumerate(zip(comparison["runs"], names)):
         run.update(label=f"{name}-{i}", folder=f"{name}-{i}", estimator=name, landmark="", pooled=name, kind="foreign")
-    comparison["sequence"]["count"] = 12
+    comparison["sequence"].update(count=12, names=[f"circle-{seed}" for seed in range(1, 13)])
     comparison["estimators"] = [estimator("ekf", 0.12, 6.2), estimator("mine", 0.2, 9.0, failed=2)]
     comparison["pairs"] = [{"a": "ekf", "b": "mine", "metric": "position_rmse_m", "pairs": 12, "wins_a": 11, "wins_b": 1,
                             "difference": {"value": -0.08, "lower": -0.1, "upper": -0.06, "runs": 12}}]
@@ -318,6 +318,7 @@ class Report(unittest.TestCase):
         pooled(self.comparison)
         text = self.text_of_report()
         self.assertIn("4 runs of 2 estimators on 12 sequences", text)
+        self.assertIn("Estimators judged: 12 sequences: circle-1 to circle-12 4 runs", text)
         self.assertIn("ekf is more accurate than mine: better in 11 of 12 pairs of runs.", text)
         self.assertIn("ekf is consistent within its interval: ANEES of the pose 6.2 [5.58, 6.82] (6 expected)", text)
         self.assertIn("mine is overconfident: ANEES of the pose 9 [8.1, 9.9]", text)
@@ -340,6 +341,14 @@ class Report(unittest.TestCase):
         self.assert_drawn(["trajectory", "position_error", "nees", "lag", "runtime"], lines=2)
         with_measured_truth(self.comparison)
         self.assertNotIn("Poses at a lag", self.text_of_report(run_files=False))
+
+    def test_the_title_names_what_is_put_together(self):
+        for names, title in ((["circle-1"], "circle"), (["circle-1", "circle-2", "circle-3"], "3 sequences: circle-1 to circle-3"),
+                             (["circle-3", "circle-1"], "2 sequences: circle-3, circle-1"), (["kitti", "kitti"], "2 sequences: kitti"),
+                             (["a-1", "a-2", "a-4", "a-5"], "4 sequences: a-1, a-2, a-4 and 1 more")):
+            pooled(self.comparison)
+            self.comparison["sequence"].update(count=len(names), names=names)
+            self.assertIn(f"Estimators judged: {title} 4 runs", self.text_of_report(run_files=False))
 
     def test_few_runs_decide_nothing(self):
         pooled(self.comparison)
