@@ -149,8 +149,8 @@ int execute(CompareArguments arguments) {
   options.landmarks_every_frame = arguments.pictures;
   options.check_rotation = check_rotation;
   if (arguments.sequence.empty()) options.seed = arguments.scenario.seed;
-  options.progress = [&](const std::string& label, int done, int total) {
-    progress.show(label, done, total);
+  options.progress = [&](const std::string& label, std::size_t run, int done, int total) {
+    progress.show(fmt::format("{} (run {} of {})", label, run + 1, runs.size()), done, total);
   };
   const auto results = compare(sequence, configuration, runs, options);
   if (arguments.pictures) draw_all(results, sequence, output, progress);

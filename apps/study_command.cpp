@@ -94,7 +94,11 @@ int execute(const StudyArguments& arguments) {
   options.jobs =
       arguments.jobs > 0 ? arguments.jobs : static_cast<int>(std::thread::hardware_concurrency());
   Progress progress("run", "runs");
-  options.progress = [&](int done, int total) { progress.show(study.name, done, total); };
+  options.progress = [&](const StudyProgress& p) {
+    const std::string frames =
+        p.frames > 0 ? fmt::format(", frame {} of {}", p.frames_done, p.frames) : "";
+    progress.show(study.name, p.runs_done + p.parts_done, p.runs, frames);
+  };
   fmt::print("{}: {} scenarios and swept values x estimators, {}, {} at a time\n", study.name,
              study.cells.size(), runs_text(study), options.jobs);
   std::fflush(stdout);

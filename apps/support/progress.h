@@ -19,13 +19,15 @@ class Progress {
 
   using Clock = std::chrono::steady_clock;
 
-  void show(const std::string& label, int done, int total, Clock::time_point now = Clock::now());
+  // `done` may hold parts; `within` says what they are.
+  void show(const std::string& label, double done, int total, const std::string& within = "",
+            Clock::time_point now = Clock::now());
   void clear();
 
  private:
   std::string unit_, units_;
   bool on_terminal_;
-  int before_ = 0;  // done when the clock was set
+  double before_ = 0.0;  // done when the clock was set
   std::string label_;
   Clock::time_point start_;
   Clock::time_point shown_;

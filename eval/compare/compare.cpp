@@ -56,7 +56,9 @@ NamedMetrics compare_one(const Sequence& sequence, const Configuration& base,
   drive_options.landmarks_every_frame = options.landmarks_every_frame;
   drive_options.check_rotation = options.check_rotation;
   if (options.progress) {
-    drive_options.progress = [&](int done, int total) { options.progress(row.label, done, total); };
+    drive_options.progress = [&, run = json["runs"].size()](int done, int total) {
+      options.progress(row.label, run, done, total);
+    };
   }
   const EvaluatedRun done = run_and_evaluate(sequence, with_overrides(base, row), row.estimator,
                                              drive_options, options.metrics);

@@ -3,6 +3,7 @@
 // compare.json (what report/compare_report.py reads; null where a number is not defined):
 //   format "slammot-compare-1", version, command,
 //   sequence {name, path, sha256, seed, frames, exact_truth, width, height, pixel_sigma}
+//            in a report of runs that of the first, and {count, names[]} of all
 //   truth    {timestamp[], position[[x,y,z]], landmarks[{track, class, position[x,y,z],
 //   last[x,y,z]}]}
 //            `last` is where a moving landmark is at its last frame
@@ -46,7 +47,8 @@ struct CompareOptions {
   bool landmarks_every_frame = false;
   CheckRotation check_rotation;  // may be empty
   MetricTable metrics = metric_table();
-  std::function<void(const std::string& label, int done, int total)> progress;  // may be empty
+  // After each frame of a run, of which `run` were before; may be empty.
+  std::function<void(const std::string& label, std::size_t run, int done, int total)> progress;
 };
 
 // Each estimator with each landmark model, labelled `estimator-landmark`; once, if it has no

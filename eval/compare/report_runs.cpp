@@ -99,16 +99,19 @@ Json report_runs(const std::vector<JudgedRun>& runs, const Path& output,
                  const std::string& command) {
   const Sequence& first = *runs.front().sequence;
   const std::vector<std::string> labels = labels_of(runs), names = names_of(runs, labels);
-  std::set<std::string> sequences;
+  std::set<std::string> sequences;  // SHA-256
+  Json sequence_names = Json::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     require_room(runs[i], output / labels[i]);
-    sequences.insert(runs[i].sequence->sha256);
+    const bool is_new = sequences.insert(runs[i].sequence->sha256).second;
+    if (is_new) sequence_names.push_back(runs[i].sequence->name);
     if (runs[i].sequence->exact_truth != first.exact_truth) {
       throw std::invalid_argument("the truth of some sequences is exact and of others is not");
     }
   }
   Json json = comparison_json(command, first, std::nullopt, metric_table());
   json["sequence"]["count"] = sequences.size();
+  json["sequence"]["names"] = sequence_names;
   Pool pool;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const JudgedRun& run = runs[i];

@@ -5,6 +5,7 @@ null in compare.json means "not defined" and becomes None; a file that is missin
 import csv
 import json
 import math
+import re
 from dataclasses import dataclass, field
 
 from metrics import read_table
@@ -90,6 +91,14 @@ class Comparison:
         return any(estimator.runs > 1 for estimator in self.estimators)
 
     @property
+    def title(self):
+        """What it is about: a sequence, or all that are put together."""
+        names = list(dict.fromkeys(self.sequence.get("names", [])))
+        if self.sequence.get("count", 1) == 1 or not names:
+            return self.sequence["name"]
+        return f"{self.sequence['count']} sequences: {names_together(names)}"
+
+    @property
     def aligned(self):
         """On measured truth errors are those after similarity alignment."""
         return self.has_truth and not self.sequence["exact_truth"]
@@ -97,6 +106,16 @@ class Comparison:
     @property
     def error_key(self):
         return "ate_sim3_m" if self.aligned else "position_rmse_m"
+
+
+def names_together(names):
+    """`circle-1 to circle-20` where nothing is missing between, else the first names."""
+    parts = [re.fullmatch(r"(.*?)(\d+)", name) for name in names]
+    if len(names) > 2 and all(parts) and len({part[1] for part in parts}) == 1:
+        numbered = sorted((int(part[2]), part[0]) for part in parts)
+        if [number for number, _ in numbered] == list(range(numbered[0][0], numbered[0][0] + len(names))):
+            return f"{numbered[0][1]} to {numbered[-1][1]}"
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
 
 
 def dig(tree, *path):

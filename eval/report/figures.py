@@ -246,28 +246,29 @@ def lag_trace(name, line, colour, **more):
                             "array": [e["upper"] - e["value"] for e in line.estimates],
                             "arrayminus": [e["value"] - e["lower"] for e in line.estimates]}}
     return {"type": "scatter", "mode": "lines+markers", "name": name, "x": lags.places(line.lags), "y": line.values(),
-            "text": [f"lag {lag}" for lag in line.lags], "hovertemplate": "%{text}: %{y:.3g}", "line": {"color": colour, "width": 1.8},
+            "text": [f"lag {lag}" for lag in line.lags], "hovertemplate": "%{text}: %{y:.3f}", "line": {"color": colour, "width": 1.8},
             "legendgroup": name, **bars, **more}
 
 
 def lag(comparison):
-    """Position error and NEES, side by side, of the estimators that keep past poses; None where there are none."""
+    """Errors and NEES over those as filtered, side by side, of the estimators that keep past poses; None where there are none."""
     names = {run.label: run.name for run in comparison.runs}
-    panels = (("position_rmse_m", "", {}), ("nees_pose", "2", {"xaxis": "x2", "yaxis": "y2"}))
     found = [(names.get(e.name, e.name), e.colour, lags.estimator_lines(comparison, e)) for e in comparison.estimators]
-    traces = [lag_trace(name, lines[quantity], colour, showlegend=not panel, **axes)
-              for quantity, panel, axes in panels for name, colour, lines in found if quantity in lines]
-    if not traces:
+    known = sorted({lag for *_, lines in found for quantity, _ in lags.RATIOS if quantity in lines for lag in lines[quantity].lags})
+    if not known:
         return None
-    known = sorted({lag for *_, lines in found for line in lines.values() for lag in line.lags})
-    if any("nees_pose" in lines for *_, lines in found):
-        ends = lags.places([known[0], known[-1]])
-        traces.append(line(f"expected: {NEES_DOF}", ends, [NEES_DOF, NEES_DOF], INK, dash="dash", width=1.2, xaxis="x2", yaxis="y2"))
+    traces, axes = [], {}
     ticks = {"type": "log", "tickvals": lags.places(known), "ticktext": [str(lag) for lag in known]}
-    titles = dict(lags.QUANTITIES)
-    return {"data": traces, "layout": layout(
-        380, xaxis=axis("lag [frames]", domain=[0.0, 0.45], **ticks), yaxis=axis(titles["position_rmse_m"], rangemode="tozero"),
-        xaxis2=axis("lag [frames]", domain=[0.57, 1.0], anchor="y2", **ticks), yaxis2=axis(titles["nees_pose"], rangemode="tozero", anchor="x2"))}
+    for panel, (quantity, title) in enumerate(lags.RATIOS):
+        number = "" if panel == 0 else str(panel + 1)
+        place = {"xaxis": f"x{number}", "yaxis": f"y{number}"}
+        ends = lags.places([known[0], known[-1]])
+        traces.append(line("as filtered", ends, [1, 1], INK, dash="dash", width=1.2, showlegend=not panel, legendgroup="filtered", **place))
+        traces += [lag_trace(name, lines[quantity], colour, showlegend=not panel, **place) for name, colour, lines in found if quantity in lines]
+        # Names below: beside the axes they would lie upon the next panel of a narrow page.
+        axes[f"xaxis{number}"] = axis(f"lag [frames]<br>{title}", domain=[0.36 * panel, 0.36 * panel + 0.28], anchor=f"y{number}", **ticks)
+        axes[f"yaxis{number}"] = axis("" if panel else "value over filtered", anchor=f"x{number}")
+    return {"data": traces, "layout": layout(380, **axes)}
 
 
 # --- cost ------------------------------------------------------------------------------------------

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 import metrics
 
 QUANTITIES = (("position_rmse_m", "position RMSE [m]"), ("rotation_rmse_deg", "rotation RMSE [deg]"), ("nees_pose", "pose NEES"))
-NEES_DOF = 6
+# Of each run: its value at the lag over that of the same run as filtered. Pooled values hide what all runs gain behind a few bad ones.
+RATIOS = (("position_rmse_ratio", "position RMSE"), ("rotation_rmse_ratio", "rotation RMSE"), ("nees_pose_ratio", "pose NEES"))
 EXPLAINED = ("Error and NEES of each pose when it is so many frames old; 0: as it was filtered. All lags are judged over the same frames, without the last 39. "
              "The gain of the EKF (ekf.lag) is what later measurements buy; what a window gains beyond it is relinearisation.")
+OVER_FILTERED = "Over filtered: the value of a run over that of the same run as filtered, mean over the runs."
 
 
 @dataclass
@@ -17,6 +19,9 @@ class Line:
 
     def values(self, which="value"):
         return [e[which] for e in self.estimates]
+
+    def of_lag(self, lag):
+        return dict(zip(self.lags, self.estimates)).get(lag)
 
 
 def is_of_lag(key):
@@ -34,21 +39,20 @@ def line(table, quantity, value_of):
     return Line(*map(list, zip(*found))) if found else None
 
 
+def lines(table, aligned, value_of):
+    """By quantity and ratio; none on measured truth, where errors without alignment are those of frame and scale."""
+    found = {} if aligned else {quantity: line(table, quantity, value_of) for quantity, _ in QUANTITIES + RATIOS}
+    return {quantity: line for quantity, line in found.items() if line}
+
+
 def summary_lines(summary, cell):
-    """By quantity, of a study's cell; none on measured truth, where errors without alignment are those of frame and scale."""
-    if cell.get("aligned"):
-        return {}
-    table = metrics.read_table(summary["metrics"])
-    lines = {quantity: line(table, quantity, cell.get) for quantity, _ in QUANTITIES}
-    return {quantity: found for quantity, found in lines.items() if found}
+    """Of a study's cell."""
+    return lines(metrics.read_table(summary["metrics"]), cell.get("aligned"), cell.get)
 
 
 def estimator_lines(comparison, estimator):
-    """By quantity, of an estimator of a comparison: over its runs, with an interval where there are several; none on measured truth."""
-    if comparison.aligned:
-        return {}
-    lines = {quantity: line(comparison.table, quantity, estimator.values.get) for quantity, _ in QUANTITIES}
-    return {quantity: found for quantity, found in lines.items() if found}
+    """Of an estimator of a comparison: over its runs, with an interval where there are several."""
+    return lines(comparison.table, comparison.aligned, estimator.values.get)
 
 
 def places(lags):

@@ -365,21 +365,20 @@ def lag(plt, summary):
     groups = [(group, cells) for group, cells in groups if cells]
     if not groups:
         return None
-    figure, rows = grid(plt, len(groups), len(lags.QUANTITIES), 3.6, 3.0)
+    figure, rows = grid(plt, len(groups), len(lags.RATIOS), 3.6, 3.0)
     colour = colours(summary)
     place_of = {label: i for i, label in enumerate(colour)}
     for row, (group, cells) in zip(rows, groups):
-        for axis, (quantity, name) in zip(row, lags.QUANTITIES):
+        for axis, (quantity, name) in zip(row, lags.RATIOS):
             shown = [(cell, lines[quantity]) for cell, lines in cells if quantity in lines]
             for place, (cell, line) in zip(centred(len(shown)), shown):
                 lag_line(axis, line, 1.03 ** place, {"color": colour[cell["label"]], "label": cell["label"], "marker": MARKERS[place_of[cell["label"]] % len(MARKERS)]})
-            if quantity == "nees_pose" and shown:
-                expected(axis, lags.NEES_DOF)
-            axis.set(title=group["name"], xlabel="lag [frames]", ylabel=name, xscale="log", ylim=(0, None))
+            axis.axhline(1.0, color="black", linestyle="--", linewidth=1)
+            axis.set(title=group["name"], xlabel="lag [frames]", ylabel=f"{name} over filtered", xscale="log")
             known = sorted({lag for _, line in shown for lag in line.lags})
             axis.set_xticks(lags.places(known), known)
             axis.minorticks_off()
-    return figure, ("Poses at a lag", f"{lags.EXPLAINED} Bars: 95% bootstrap intervals over runs (2000 resamples). Dashed: a consistent estimator.")
+    return figure, ("Poses at a lag", f"{lags.EXPLAINED} {lags.OVER_FILTERED} Bars: 95% bootstrap intervals over runs (2000 resamples). Dashed: as filtered.")
 
 
 def drawn(plt, summary, name):

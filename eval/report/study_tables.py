@@ -278,11 +278,11 @@ def lags_table(summary):
     rows = []
     for group, cell in estimators_of(summary):
         lines = lags.summary_lines(summary, cell)
-        for k, lag in enumerate(next(iter(lines.values())).lags if lines else []):
-            estimates = [lines[quantity].estimates[k] if quantity in lines else None for quantity, _ in lags.QUANTITIES]
+        for lag in next(iter(lines.values())).lags if lines else []:
+            estimates = [lines[quantity].of_lag(lag) if quantity in lines else None for quantity, _ in lags.QUANTITIES + lags.RATIOS]
             rows.append([group["name"], cell["label"], str(lag), *map(with_interval, estimates)])
-    return Table("Poses at a lag", f"{lags.EXPLAINED} Brackets: 95% bootstrap intervals over runs (2000 resamples).",
-                 ["scenario", "estimator", "lag [frames]", *(name for _, name in lags.QUANTITIES)], rows)
+    return Table("Poses at a lag", f"{lags.EXPLAINED} {lags.OVER_FILTERED} Brackets: 95% bootstrap intervals over runs (2000 resamples).",
+                 ["scenario", "estimator", "lag [frames]", *(name for _, name in lags.QUANTITIES), *(f"{name} over filtered" for _, name in lags.RATIOS)], rows)
 
 
 def metrics_table(summary):

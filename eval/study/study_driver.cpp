@@ -4,8 +4,54 @@
 #include <tbb/task_arena.h>
 
 #include <atomic>
+#include <map>
+#include <mutex>
 
 namespace slammot {
+namespace {
+
+// What all threads have done, told to one listener.
+class SharedProgress {
+ public:
+  SharedProgress(const StudyOptions& options, int runs_done, int runs)
+      : tell_(options.progress), runs_done_(runs_done), runs_(runs) {}
+
+  void frame(int task, int done, int total) {
+    if (!tell_) return;
+    const std::lock_guard lock(mutex_);
+    under_way_[task] = {done, total};
+    tell();
+  }
+  void run(int task) {
+    if (!tell_) return;
+    const std::lock_guard lock(mutex_);
+    under_way_.erase(task);
+    ++runs_done_;
+    tell();
+  }
+
+ private:
+  struct Frames {
+    int done, total;
+  };
+
+  void tell() const {
+    StudyProgress progress{runs_done_, runs_};
+    for (const auto& [task, frames] : under_way_) {
+      progress.frames_done += frames.done;
+      progress.frames += frames.total;
+      progress.parts_done += static_cast<double>(frames.done) / frames.total;
+    }
+    tell_(progress);
+  }
+
+  const std::function<void(const StudyProgress&)>& tell_;
+  std::mutex mutex_;
+  std::map<int, Frames> under_way_;  // by task
+  int runs_done_, runs_;
+};
+
+}  // namespace
 
 int run_study(const Study& study, const StudyOptions& options) {
   Journal journal(options.output, options.shard.journal(), identity_of(study));
@@ -20,16 +66,15 @@ int run_study(const Study& study, const StudyOptions& options) {
     ++of_shard;
     if (finished.count({task % cells, study.seed(task / cells)}) == 0) tasks.push_back(task);
   }
-  std::mutex mutex;
   const int count = static_cast<int>(tasks.size());
-  int done = of_shard - count;
+  SharedProgress progress(options, of_shard - count, of_shard);
   const auto one = [&](int i) {
     const int task = tasks[static_cast<std::size_t>(i)];
-    const StudyRun run = run_study_cell(study, task % cells, task / cells);
+    const StudyRun run =
+        run_study_cell(study, task % cells, task / cells,
+                       [&](int done, int total) { progress.frame(task, done, total); });
     journal.append(run.result, run.timing);
-    const std::lock_guard lock(mutex);
-    ++done;
-    if (options.progress) options.progress(done, of_shard);
+    progress.run(task);
   };
   // One run is one task, taken in order by whichever thread is free.
   std::atomic<int> next = 0;

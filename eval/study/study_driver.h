@@ -7,12 +7,19 @@
 
 namespace slammot {
 
+struct StudyProgress {
+  int runs_done = 0, runs = 0;
+  int frames_done = 0, frames = 0;  // of the runs under way
+  double parts_done = 0.0;          // of them, in runs
+};
+
 struct StudyOptions {
   std::filesystem::path output;
   Shard shard;
   int jobs = 1;
-  bool mix = false;                                   // see JournalRules
-  std::function<void(int done, int total)> progress;  // called under a lock; may be empty
+  bool mix = false;  // see JournalRules
+  // After each frame and each run, under a lock; may be empty.
+  std::function<void(const StudyProgress&)> progress;
 };
 
 // Runs what the folder does not hold yet, and returns how many that were. The results depend

@@ -217,7 +217,8 @@ Json timing_json(const RunMetrics& metrics) {
 
 }  // namespace
 
-StudyRun run_study_cell(const Study& study, int cell, int run) {
+StudyRun run_study_cell(const Study& study, int cell, int run,
+                        const std::function<void(int done, int total)>& progress) {
   const StudyCell& c = study.cells[static_cast<std::size_t>(cell)];
   const auto start = std::chrono::steady_clock::now();
   StudyRun made;
@@ -228,6 +229,7 @@ StudyRun run_study_cell(const Study& study, int cell, int run) {
         select_frames(study_sequence(c, study.seed(run)), c.configuration.frames.first,
                       c.configuration.frames.last, c.configuration.frames.step);
     DriveOptions options;
+    options.progress = progress;
     options.landmarks_every_frame = !study.tracks.empty();
     const EvaluatedRun done =
         run_and_evaluate(sequence, c.configuration, c.estimator, options, study.metrics);

@@ -1,6 +1,7 @@
 // One run of a study, and what is kept of it.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "eval/study/study.h"
@@ -19,6 +20,7 @@ struct StudyRun {
 
 // Never throws for what the estimator does: a run that fails is recorded as diverged, with the
 // reason.
-StudyRun run_study_cell(const Study& study, int cell, int run);
+StudyRun run_study_cell(const Study& study, int cell, int run,
+                        const std::function<void(int done, int total)>& progress = {});
 
 }  // namespace slammot

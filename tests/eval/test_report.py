@@ -108,7 +108,8 @@ METRICS = [
     metric_row("nis_expected", "nis.expected_mean", "run", "expected NIS", on_page=False),
     metric_row("nis_mean", "nis.mean", "run", "NIS", better="neither", expected="nis_expected"),
     metric_row("frame_median_ms", "runtime.frame_median_ms", "run", "time per frame", "ms"),
-    *(metric_row(f"lag.{lag}.{leaf}", f"lag.{lag}.{leaf}", "run", leaf, on_page=False) for lag in (0, 4) for leaf in ("position_rmse_m", "nees_pose")),
+    *(metric_row(f"lag.{lag}.{leaf}", f"lag.{lag}.{leaf}", "run", leaf, on_page=False) for lag in (0, 1, 4)
+      for leaf in ("position_rmse_m", "nees_pose", "position_rmse_ratio", "nees_pose_ratio")),
     metric_row("path_length_m", "path_length_m", "run", "length of the path", "km", better="larger"),
 ]
 
@@ -178,7 +179,7 @@ def pooled(comparison):
     names = ["ekf", "ekf", "mine", "mine"]
     for i, (run, name) in enumerate(zip(comparison["runs"], names)):
         run.update(label=f"{name}-{i}", folder=f"{name}-{i}", estimator=name, landmark="", pooled=name, kind="foreign")
-    comparison["sequence"]["count"] = 12
+    comparison["sequence"].update(count=12, names=[f"circle-{seed}" for seed in range(1, 13)])
     comparison["estimators"] = [estimator("ekf", 0.12, 6.2), estimator("mine", 0.2, 9.0, failed=2)]
     comparison["pairs"] = [{"a": "ekf", "b": "mine", "metric": "position_rmse_m", "pairs": 12, "wins_a": 11, "wins_b": 1,
                             "difference": {"value": -0.08, "lower": -0.1, "upper": -0.06, "runs": 12}}]
@@ -318,6 +319,7 @@ class Report(unittest.TestCase):
         pooled(self.comparison)
         text = self.text_of_report()
         self.assertIn("4 runs of 2 estimators on 12 sequences", text)
+        self.assertIn("Estimators judged: 12 sequences: circle-1 to circle-12 4 runs", text)
         self.assertIn("ekf is more accurate than mine: better in 11 of 12 pairs of runs.", text)
         self.assertIn("ekf is consistent within its interval: ANEES of the pose 6.2 [5.58, 6.82] (6 expected)", text)
         self.assertIn("mine is overconfident: ANEES of the pose 9 [8.1, 9.9]", text)
@@ -329,17 +331,25 @@ class Report(unittest.TestCase):
     def test_poses_at_a_lag_of_who_keeps_them(self):
         pooled(self.comparison)
         kept = self.comparison["estimators"][1]["values"]
-        for lag, rmse, nees in ((0, 0.2, 9.0), (4, 0.1, 7.0)):
-            kept[f"lag.{lag}.position_rmse_m"] = {"value": rmse, "lower": 0.9 * rmse, "upper": 1.2 * rmse, "runs": 12}
-            kept[f"lag.{lag}.nees_pose"] = {"value": nees, "lower": nees, "upper": nees, "runs": 12}
+        for key, value in (("0.position_rmse_m", 0.2), ("4.position_rmse_m", 0.19), ("1.position_rmse_ratio", 0.9), ("4.position_rmse_ratio", 0.5),
+                           ("4.nees_pose_ratio", 1.1)):
+            kept[f"lag.{key}"] = {"value": value, "lower": 0.9 * value, "upper": 1.2 * value, "runs": 12}
         self.assertIn("Poses at a lag", self.text_of_report())
-        error, nees, expected = self.charts()["lag"]["data"]
-        self.assertEqual((error["name"], error["x"], error["y"], nees["y"]), ("mine", [1, 5], [0.2, 0.1], [9.0, 7.0]))
-        self.assertAlmostEqual(error["error_y"]["array"][1], 0.02)
-        self.assertEqual(expected["y"], [6, 6])
+        of_mine = [t for t in self.charts()["lag"]["data"] if t["name"] == "mine"]
+        self.assertEqual([(t["x"], t["y"], t["xaxis"]) for t in of_mine], [([2, 5], [0.9, 0.5], "x"), ([5], [1.1], "x3")])
+        self.assertAlmostEqual(of_mine[0]["error_y"]["array"][1], 0.1)
+        self.assertFalse([t for t in self.charts()["lag"]["data"] if t["name"] == "ekf"])
         self.assert_drawn(["trajectory", "position_error", "nees", "lag", "runtime"], lines=2)
         with_measured_truth(self.comparison)
         self.assertNotIn("Poses at a lag", self.text_of_report(run_files=False))
+
+    def test_the_title_names_what_is_put_together(self):
+        for names, title in ((["circle-1"], "circle"), (["circle-1", "circle-2", "circle-3"], "3 sequences: circle-1 to circle-3"),
+                             (["circle-3", "circle-1"], "2 sequences: circle-3, circle-1"), (["kitti", "kitti"], "2 sequences: kitti"),
+                             (["a-1", "a-2", "a-4", "a-5"], "4 sequences: a-1, a-2, a-4 and 1 more")):
+            pooled(self.comparison)
+            self.comparison["sequence"].update(count=len(names), names=names)
+            self.assertIn(f"Estimators judged: {title} 4 runs", self.text_of_report(run_files=False))
 
     def test_few_runs_decide_nothing(self):
         pooled(self.comparison)

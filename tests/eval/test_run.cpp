@@ -47,6 +47,26 @@ TEST(Metrics, OfEveryLagAreOverTheSameFrames) {
   EXPECT_LE(metrics.at(0).accuracy.value->poses, 11);
 }
 
+// Half the error, with the covariance as it was.
+TEST(Metrics, RatiosOfALagAreOverTheSameRunAsFiltered) {
+  const Sequence sequence = test::straight_line(50);
+  FakeEstimator estimator([&](const Frame& f) {
+    test::Belief belief = test::true_belief(sequence, f);
+    belief.camera.state.position.y() = 0.5;
+    return belief;
+  });
+  RunResult run = drive(sequence, estimator);
+  const auto value = [&](const char* key) {
+    return value_of(compute_metrics(sequence, run, 0.95).values, key);
+  };
+  EXPECT_TRUE(std::isnan(value("lag.4.position_rmse_ratio")));
+  run.lagged[4] = {run.filtered.begin(), run.filtered.end() - 4};
+  for (CameraEstimate& camera : run.lagged[4]) camera.state.position.y() = 0.25;
+  EXPECT_DOUBLE_EQ(value("lag.4.position_rmse_ratio"), 0.5);
+  EXPECT_DOUBLE_EQ(value("lag.4.nees_pose_ratio"), 0.25);
+  EXPECT_TRUE(std::isnan(value("lag.4.rotation_rmse_ratio")));  // of none
+}
+
 TEST(Drive, ADivergedRunKeepsWhatWasFinished) {
   const Sequence sequence = test::straight_line(5);
   FakeEstimator says_so([&](const Frame& f) {

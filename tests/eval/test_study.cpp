@@ -7,8 +7,10 @@
 
 #include "eval/statistics/bootstrap.h"
 #include "eval/statistics/statistics.h"
+#include "eval/study/study_driver.h"
 #include "eval/study/study_summary.h"
 #include "tests/paths.h"
+#include "tests/temporary_folder.h"
 
 namespace slammot {
 namespace {
@@ -41,6 +43,37 @@ TEST(Study, EachThatShipsCanBeRead) {
     }
   }
   EXPECT_GT(count, 10);
+}
+
+TEST(Study, SaysWithinARunHowFarItIs) {
+  const test::TemporaryFolder folder;
+  test::write_text(folder.path() / "s.yaml", R"(format: slammot-study-1
+name: s
+runs: 3
+scenarios: [{scenario: circle, set: {frames: 8}}]
+estimators: [{estimator: ekf}]
+)");
+  const Study study = read_study(folder.path() / "s.yaml");
+  StudyOptions options;
+  options.output = folder.path() / "out";
+  options.jobs = 2;
+  int calls = 0, within = 0, runs_done = 0;
+  double done = 0.0;
+  options.progress = [&](const StudyProgress& p) {
+    ++calls;
+    within += p.frames_done > 0 && p.frames_done < p.frames ? 1 : 0;
+    EXPECT_EQ(p.runs, 3);
+    EXPECT_LE(p.frames, 16);
+    EXPECT_GE(p.runs_done + p.parts_done, done - 1e-9);
+    done = p.runs_done + p.parts_done;
+    runs_done = p.runs_done;
+  };
+  claim_folder(study, options.output, options.shard, false);
+  run_study(study, options);
+  EXPECT_EQ(calls, 3 * (8 + 1));
+  EXPECT_GE(within, 3 * 7 - 2);
+  EXPECT_EQ(runs_done, 3);
+  EXPECT_NEAR(done, 3.0, 1e-9);
 }
 
 class Summary : public testing::Test {

@@ -3,6 +3,7 @@ and its report drawn in headless Chromium without an error.
 
 usage: test_study.py SLAMMOT [Study | Strangers | Page]
 """
+import csv
 import json
 import math
 import pathlib
@@ -376,6 +377,12 @@ figures: [lag]
 """, encoding="utf-8")
         folder = self.folder / "lag"
         slammot("study", study, "--output", folder)
+        kept = list(csv.DictReader((folder / "runs.csv").read_text(encoding="utf-8").splitlines()))
+        for cell in json.loads((folder / "summary.json").read_text(encoding="utf-8"))["groups"][0]["cells"][1:]:
+            for quantity, ratio in (("position_rmse_m", "position_rmse_ratio"), ("nees_pose", "nees_pose_ratio")):
+                of_runs = [float(run[f"lag.2.{quantity}"]) / float(run[f"lag.0.{quantity}"]) for run in kept if run["label"] == cell["label"]]
+                self.assertEqual(len(of_runs), 2)
+                self.assertAlmostEqual(cell[f"lag.2.{ratio}"]["value"], sum(of_runs) / 2, delta=1e-9)
         rows = [line.split(",")[1:3] for line in (folder / "tables" / "lags.csv").read_text(encoding="utf-8").splitlines()]
         self.assertEqual(rows, [["estimator", "lag [frames]"], *([label, lag] for label in ("ekf lag 3", "window 3") for lag in "012")])
         self.assertNotIn("lag", (folder / "tables" / "metrics.csv").read_text(encoding="utf-8").splitlines()[0])
