@@ -1,13 +1,6 @@
-// Unpacks Plotly and draws every figure of #charts into the element of its name. The number drawn, or
-// the first error, is left on <html> for whoever tests the page.
+// Draws every figure of #charts into the element of its name. The number drawn, or the first error, is
+// left on <html> for whoever tests the page.
 "use strict";
-
-async function unpacked(id) {
-  const packed = atob(document.getElementById(id).textContent.trim());
-  const bytes = Uint8Array.from(packed, (character) => character.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Response(stream).text();
-}
 
 // A legend beside the plot goes below it where the page is narrow.
 function make_room(layout) {
@@ -16,9 +9,7 @@ function make_room(layout) {
 }
 
 async function draw() {
-  const library = document.createElement("script");
-  library.textContent = await unpacked("plotly");
-  document.head.append(library);
+  await load_plotly();
   const charts = JSON.parse(document.getElementById("charts").textContent);
   const options = {responsive: true, displaylogo: false,
                    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"]};

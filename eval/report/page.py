@@ -26,8 +26,8 @@ def plotly_source():
 
 
 def packed(source):
-    """Compressed, as text: a third of the size, and the same bytes every time."""
-    return base64.b64encode(gzip.compress(source, 9, mtime=0)).decode("ascii")
+    """Compressed, as text: a third of the size, and the same bytes every time. Level 9 saves 1% and takes three times as long."""
+    return base64.b64encode(gzip.compress(source, 6, mtime=0)).decode("ascii")
 
 
 def embedded_json(value):

@@ -392,13 +392,12 @@ def file_of(name):
 
 def draw_all(summary, folder):
     folder.mkdir(parents=True, exist_ok=True)
+    names = [name for name in summary["figures"] if name in FIGURES or ":" in name]  # others are tables
+    if not names or not any(plotted(group) for group in summary["groups"]):
+        return []  # nothing asked for, or every run failed at once: the tables say so
     plt = pyplot()
     figures = []
-    for name in summary["figures"]:
-        if name not in FIGURES and ":" not in name:
-            continue  # a table
-        if not any(plotted(group) for group in summary["groups"]):
-            break  # every run failed at once: the tables say so
+    for name in names:
         made = drawn(plt, summary, name)
         if made is None:
             continue

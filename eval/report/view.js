@@ -8,13 +8,6 @@ const PATH = "#009E73";
 const NAMES = ["undecided", "static", "moving"];
 const SIDES = 16;
 
-async function unpacked(id) {
-  const packed = atob(document.getElementById(id).textContent.trim());
-  const bytes = Uint8Array.from(packed, (character) => character.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Response(stream).text();
-}
-
 function line(name, points, colour, width, dash) {
   return {type: "scatter3d", mode: "lines", name, x: points.map((p) => p[0]), y: points.map((p) => p[2]),
           z: points.map((p) => -p[1]), line: {color: colour, width, dash}, hoverinfo: "name"};
@@ -59,9 +52,7 @@ function traces(run, step) {
 }
 
 async function start() {
-  const library = document.createElement("script");
-  library.textContent = await unpacked("plotly");
-  document.head.append(library);
+  await load_plotly();
   const data = JSON.parse(document.getElementById("view-data").textContent);
   const choice = document.getElementById("view-run"), slider = document.getElementById("view-step");
   data.runs.forEach((run, i) => choice.add(new Option(run.label, String(i))));

@@ -140,7 +140,7 @@ class PythonEstimator(unittest.TestCase):
     def test_study_on_two_threads_has_the_same_numbers(self):
         study = self.folder / "study.yaml"
         study.write_text(
-            "format: slammot-study-1\nname: mine\nruns: 3\nscenarios: [{scenario: helix, set: {frames: 15}}]\n"
+            "format: slammot-study-1\nname: mine\nruns: 2\nscenarios: [{scenario: helix, set: {frames: 15}}]\n"
             f"estimators: [{{estimator: ekf}}, {{estimator: 'python:{EXAMPLES}:KnownPoints', label: known}}]\n"
             "sweep: {python.options: ['{}', '{\"probability\": 0.5}']}\n", encoding="utf-8")
         for jobs in (1, 2):
