@@ -12,9 +12,11 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
     : setup_(setup),
       options_(options),
       condition_(models.collapse == Collapse::kCondition),
-      memory_(condition_ && !options.delayed ? motion_memory(models.labels) : 0),
       gate_threshold_(pixel_threshold(models.gate.probability)),
       functions_(find_landmark(models.landmark, models.point)),
+      memory_(condition_ && !options.delayed && functions_.motion == 3
+                  ? motion_memory(models.labels)
+                  : 0),
       linearisation_(options.linearisation, functions_, setup.truth) {
   if (options.deferred && options.linearisation == FilterLinearisation::kInvariant) {
     throw std::invalid_argument(

@@ -65,9 +65,9 @@ class Ekf final : public Belief {
   Setup setup_;
   EkfOptions options_;
   bool condition_;  // on collapse, w = 0 is used
-  int memory_;      // frames for which the motion of a static landmark is remembered
   double gate_threshold_;
   const LandmarkFunctions& functions_;
+  int memory_;  // frames for which the motion of a static landmark is remembered
   JointState state_;
   Linearisation linearisation_;
   int frame_ = 0;           // Frame::index of the newest

@@ -132,8 +132,8 @@ class Window final : public Belief {
   Setup setup_;
   WindowOptions options_;
   bool condition_;  // on collapse, w = 0 is used
-  int memory_;      // frames for which the motion of a static landmark is remembered
   const LandmarkFunctions& functions_;
+  int memory_;  // frames for which the motion of a static landmark is remembered
   std::unique_ptr<ceres::LossFunction> loss_;
   Graph graph_;
   CameraWindow cameras_;

@@ -16,7 +16,7 @@
 namespace slammot {
 
 bool Window::is_remembered(const WindowLandmark& landmark) const {
-  return !landmark.is_free && landmark.rests_since &&
+  return memory_ > 0 && !landmark.is_free && landmark.rests_since &&
          cameras_.newest().number - *landmark.rests_since <= memory_ &&
          !is_inactive(graph_[landmark.id].y);
 }

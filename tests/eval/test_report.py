@@ -254,10 +254,20 @@ def generate(output):
         return page.run_report("compare_report", compare_report.page), said.getvalue()
 
 
+def browse(page, *arguments):
+    """What Chromium makes of a page. It hangs at its start now and then, whatever the page: it is started again."""
+    for patience in (60, 120, 240):
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+            try:
+                return subprocess.run([*CHROMIUM, f"--user-data-dir={profile}", *arguments, page.as_uri()],
+                                      capture_output=True, text=True, timeout=patience)
+            except subprocess.TimeoutExpired:
+                print(f"chromium hung for {patience} s", file=sys.stderr)
+    raise TimeoutError(f"chromium did not open {page.name} three times")
+
+
 def chromium(page, *arguments):
-    with tempfile.TemporaryDirectory() as profile:
-        done = subprocess.run([*CHROMIUM, f"--user-data-dir={profile}", *arguments, page.as_uri()],
-                              capture_output=True, text=True, timeout=180)
+    done = browse(page, *arguments)
     errors = [line for line in done.stderr.splitlines() if ":CONSOLE" in line]
     return done.stdout, errors
 

@@ -16,7 +16,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from test_report import CHROMIUM  # noqa: E402
+from test_report import browse  # noqa: E402
 
 SLAMMOT = ""
 STUDY = """\
@@ -206,9 +206,9 @@ class Page(WithStudy):
         self.assertEqual(page.count("<head>"), 1)
         file = self.folder / "opened.html"
         file.write_text(page.replace("<head>", listener), encoding="utf-8")
-        with tempfile.TemporaryDirectory() as profile:
-            return subprocess.run([*CHROMIUM, f"--user-data-dir={profile}", "--dump-dom", file.as_uri()],
-                                  capture_output=True, text=True, timeout=300, check=True).stdout
+        done = browse(file, "--dump-dom")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
 
     def check_paper(self, latex, folder):
         """Own labels and caption, escaped; the best of each scenario in bold."""
