@@ -56,11 +56,7 @@ Eigen::VectorXd JointState::release_motion(int track, const HeldMotion& motion) 
 
 void JointState::forget_motion(int track) {
   FilterLandmark& landmark = landmarks.at(track);
-  if (!landmark.is_held()) return;
-  const StateBlock w = landmark.held_block;
-  landmark.held.resize(0);
-  landmark.held_block = {};
-  remove_block(w);
+  remove_motion(landmark.held, landmark.held_block);
 }
 
 }  // namespace slammot

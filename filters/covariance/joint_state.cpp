@@ -1,6 +1,7 @@
 #include "filters/covariance/joint_state.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace slammot {
 
@@ -104,11 +105,13 @@ void JointState::remove_landmarks(std::span<const int> tracks) {
 
 void JointState::drop_motion(int track) {
   FilterLandmark& landmark = landmarks.at(track);
-  if (!landmark.is_free()) return;
-  const StateBlock w = landmark.w_block;
-  landmark.w.resize(0);
-  landmark.w_block = {};
-  remove_block(w);
+  remove_motion(landmark.w, landmark.w_block);
+}
+
+void JointState::remove_motion(MotionVector& numbers, StateBlock& block) {
+  if (block.dim == 0) return;
+  numbers.resize(0);
+  remove_block(std::exchange(block, {}));
 }
 
 void JointState::free_motion(int track, const MotionVector& sigmas) {

@@ -124,6 +124,7 @@ struct JointState {
  private:
   // The rows of `from` are now those of `to`.
   void follow(StateBlock from, StateBlock to);
+  void remove_motion(MotionVector& numbers, StateBlock& block);
   void remove_block(StateBlock block);
   bool is_last(int dim) const;  // whether the last rows are one block of this size
   StateBlock reactivate(StateBlock block);
