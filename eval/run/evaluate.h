@@ -35,7 +35,7 @@ struct JudgedRun {
 // Reads every sequence once.
 class Judge {
  public:
-  explicit Judge(JudgeOptions options) : options_(std::move(options)) {}
+  explicit Judge(JudgeOptions options) : options_(options) {}
 
   // `run`: a run folder, or the file of a trajectory (trajectory_file.h). Without `against`, the
   // sequence is the one run.yaml names. Throws InputError.
