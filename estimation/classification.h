@@ -51,7 +51,8 @@ class Classifier {
   virtual ~Classifier() = default;
   // A label that needs no measurement; unknown where there is none (thesis 3.1.3).
   virtual Label at_birth(int /*track*/) const { return Label::kUnknown; }
-  // The label of a landmark that is unknown so far, or moving and possibly not any more.
+  // The label of a landmark that is unknown so far, or moving and possibly not any more; also of a
+  // static one by the motion it would have (LabelOptions::memory): "moving" takes its label back.
   virtual Label decide(const MotionBelief& belief, ClassifierMemory& memory) const = 0;
 };
 

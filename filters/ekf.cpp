@@ -64,7 +64,7 @@ void Ekf::predict(const Frame& frame, double dt, const TrackRecords& records) {
   state_.camera = slammot::predict(state_.camera, dt);
   for (auto& [track, landmark] : state_.landmarks) {
     if (landmark.is_free()) predict_landmark(track, landmark, records.at(track).label, dt);
-    if (landmark.is_held()) predict_held(landmark, dt);
+    if (landmark.is_held()) predict_held(track, landmark, dt);
   }
   linearisation_.predicted(state_, frame.index, dt);
 }
@@ -173,7 +173,10 @@ void Ekf::finish() {
   const StateBlock adjoint = state_.passive.adjoint();  // no covariance stands there
   const auto negative = [](const auto& d) { return (d.array() < 0.0).count(); };
   Eigen::Index held = 0;
-  for (const auto& [track, landmark] : state_.landmarks) held += landmark.held_block.dim;
+  for (const auto& [track, landmark] : state_.landmarks) {
+    const StateBlock block = landmark.held_block;
+    if (landmark.is_held()) held += negative(diagonal.segment(block.offset, block.dim));
+  }
   if (!diagonal.allFinite() || negative(diagonal.head(adjoint.offset)) +
                                        negative(diagonal.tail(diagonal.size() - adjoint.end())) !=
                                    held) {

@@ -42,7 +42,7 @@ class Ekf final : public Belief {
 
  private:
   void predict_landmark(int track, FilterLandmark& landmark, Label label, double dt);
-  void predict_held(FilterLandmark& landmark, double dt);
+  void predict_held(int track, const FilterLandmark& landmark, double dt);
   void forget_motions();
   void condition_on_rest(std::span<const int> tracks);
   FilterPose& clone_of(int frame);

@@ -18,9 +18,10 @@ void Ekf::predict_landmark(int track, FilterLandmark& landmark, Label label, dou
 }
 
 // What is remembered of a static landmark's motion: with w it would have moved.
-void Ekf::predict_held(FilterLandmark& landmark, double dt) {
-  const LandmarkVector at = landmark_state(landmark.y, MotionVector::Zero(functions_.motion));
-  const LandmarkMatrix F = functions_.predict_jacobian(at, dt);
+void Ekf::predict_held(int track, const FilterLandmark& landmark, double dt) {
+  const Eigen::Vector3d y = linearisation_.landmark(state_, track).head<3>();
+  const LandmarkVector at_rest = landmark_state(y, MotionVector::Zero(functions_.motion));
+  const LandmarkMatrix F = functions_.predict_jacobian(at_rest, dt);
   state_.covariance.add(landmark.y_block, landmark.held_block,
                         F.topRightCorner(3, functions_.motion));
 }
@@ -41,7 +42,7 @@ void Ekf::held_motions(std::span<const int> tracks, const TrackRecords& /*record
     const FilterLandmark& landmark = state_.landmarks.at(track);
     if (!landmark.is_held()) continue;
     const auto held = state_.held_motion(track);
-    if (!held) throw Diverged("the information of a held motion is not positive definite");
+    if (!held) continue;
     MotionBelief& motion = result.emplace_back();
     motion.track = track;
     motion.w = held->mean;
@@ -50,9 +51,9 @@ void Ekf::held_motions(std::span<const int> tracks, const TrackRecords& /*record
   }
 }
 
-void Ekf::release(int track, const LandmarkPrior& /*prior*/) {
+void Ekf::release(int track, const LandmarkPrior& prior) {
   const auto held = state_.held_motion(track);
-  if (!held) throw Diverged("the information of a held motion is not positive definite");
+  if (!held) return free(track, prior);
   linearisation_.correct(state_, state_.release_motion(track, *held));
 }
 

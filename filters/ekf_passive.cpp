@@ -51,7 +51,7 @@ int Ekf::find_passive() {
     if (is_idle) {
       tracks_.push_back(track);
     } else {
-      rows += landmark.dim();
+      rows += landmark.dim() + landmark.held_block.dim;
       anchors_.push_back(landmark.anchor);
     }
   }

@@ -46,8 +46,9 @@ void Linearisation::predicted(const JointState& state, int frame, double dt) {
 
 void Linearisation::predicted_first_estimate(const JointState& state, int track) {
   constexpr double kKnownDepth = 0.1;  // sigma_rho / rho
-  if (settled_.contains(track)) return;
   const FilterLandmark& landmark = state.landmarks.at(track);
+  if (landmark.is_free()) settled_.erase(track);  // its label was taken back
+  if (settled_.contains(track)) return;
   landmarks_[track] = landmark.is_free() ? landmark.x() : at_rest(landmark.y);
   const SeenDepth depth = seen_depth(functions_.point, landmark.y,
                                      state.covariance.block(landmark.y_block, landmark.y_block));

@@ -102,32 +102,34 @@ const std::vector<int>& LandmarkManager::classify(int frame, std::span<const Obs
 
 // Only a landmark that was measured in this frame: nothing else can have been said against it.
 void LandmarkManager::revert_labels(std::span<const Observation> measured, Belief& belief) {
-  for (const Observation& z : measured) {
-    TrackRecord& record = records_.at(z.track);
-    if (!is_rejected(record, models_.labels) || first_.holds(record)) continue;
-    note_reverted(record);
-    belief.free(z.track, record.prior);
-  }
-  release_what_moved(measured, belief);
-}
-
-// The classifier's question, put to what is static by an earlier answer of it: were its motion not
-// held at rest, would it say moving? Only the surest in a frame: what bends the map makes others
-// look moving, too.
-void LandmarkManager::release_what_moved(std::span<const Observation> measured, Belief& belief) {
-  if (motion_memory(models_.labels) == 0) return;
   tracks_.clear();
   for (const Observation& z : measured) {
     const TrackRecord& record = records_.at(z.track);
     if (record.label == Label::kStatic && !first_.holds(record)) tracks_.push_back(z.track);
   }
   belief.held_motions(tracks_, records_, motions_);
+  for (const int track : tracks_) {
+    TrackRecord& record = records_.at(track);
+    const bool is_remembered =
+        std::ranges::find(motions_, track, &MotionBelief::track) != motions_.end();
+    if (is_remembered || !is_rejected(record, models_.labels)) continue;
+    note_reverted(record);
+    belief.free(track, record.prior);
+  }
+  release_what_moved(belief);
+}
+
+// What is static by an earlier answer of the classifier, and remembered, is asked again: were its
+// motion not held at rest, would it be moving? A rejected label needs no such answer. Only the
+// surest in a frame: what bends the map makes others look moving, too.
+void LandmarkManager::release_what_moved(Belief& belief) {
   double surest = 0.0;
   TrackRecord* released = nullptr;
   for (MotionBelief& motion : motions_) {
     TrackRecord& record = records_.at(motion.track);
     const double distance = mahalanobis_from_zero(motion.w, motion.covariance);
-    if (answer(motion, record) != Label::kMoving || distance <= surest) continue;
+    const bool moves = answer(motion, record) == Label::kMoving;
+    if (!(moves || is_rejected(record, models_.labels)) || distance <= surest) continue;
     surest = distance;
     released = &record;
   }

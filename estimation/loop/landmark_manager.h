@@ -42,7 +42,7 @@ class LandmarkManager {
   std::vector<LandmarkEstimate> estimates(std::span<const int> tracks, const Belief& belief) const;
 
  private:
-  void release_what_moved(std::span<const Observation> measured, Belief& belief);
+  void release_what_moved(Belief& belief);  // motions_
   Label answer(MotionBelief& motion, TrackRecord& record) const;
   void remove(Belief& belief, FrameReport& report);  // tracks_
   TrackRecord record_at_birth(int track, int frame, const LandmarkPrior& prior);

@@ -34,7 +34,8 @@ void write(double** jacobians, int block, const Eigen::MatrixBase<Derived>& J) {
 template <typename Derived>
 void write_orientation(double** jacobians, int block, const double* q,
                        const Eigen::MatrixBase<Derived>& J) {
-  write(jacobians, block, (J * (2.0 * tangent_basis(q).transpose())).eval());
+  const RowMajor<3, 4> to_tangent = 2.0 * tangent_basis(q).transpose();
+  write(jacobians, block, (J * to_tangent).eval());
 }
 
 CameraState camera_of(double const* const* x) {

@@ -60,6 +60,7 @@ void Window::held_motions(std::span<const int> tracks, const TrackRecords& recor
   }
   auto columns = (*motion_columns_).leftCols(n * std::ssize(result));
   if (!result.empty()) equations.whiten(columns);
+  std::size_t determined = 0;
   for (Eigen::Index i = 0; i < std::ssize(result); ++i) {
     MotionBelief& motion = result[static_cast<std::size_t>(i)];
     const MotionVector sigmas = functions_.prior_sigmas(records.at(motion.track).prior);
@@ -67,16 +68,19 @@ void Window::held_motions(std::span<const int> tracks, const TrackRecords& recor
     MotionMatrix J = motion.covariance - of_core.transpose() * of_core;
     J.diagonal() += sigmas.cwiseAbs2().cwiseInverse();
     const Eigen::LLT<MotionMatrix> llt(J);
-    if (llt.info() != Eigen::Success) throw Diverged("a held motion is not determined");
+    if (llt.info() != Eigen::Success) continue;
     motion.covariance = llt.solve(MotionMatrix::Identity(n, n));
     motion.w = llt.solve(motion.w).eval();
     LandmarkVector x = at_rest(landmarks_.at(motion.track));
     x.tail(n) = motion.w;
     motion.density_scale = functions_.density_scale(x);
+    result[determined++] = motion;
   }
+  result.resize(determined);
 }
 
-// It is free with its pixels of the window, and the window is solved once more.
+// It is free with its pixels of the window, and the window is solved once more. What was refused of
+// it before it could move is not of that point.
 void Window::release(int track, const LandmarkPrior& prior) {
   WindowLandmark& landmark = landmarks_.at(track);
   const WindowFrame& base = *cameras_.find(graph_[landmark.id].pixels.front().position);
@@ -85,6 +89,9 @@ void Window::release(int track, const LandmarkPrior& prior) {
   landmark.rests_since.reset();
   graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
   move_since(landmark, base);
+  std::erase_if(refused_, [&](const RefusedPixel& z) {
+    return z.track == track && cameras_.find(z.position)->number < base.number;
+  });
   truth_.apply(landmark);
   graph_.prior().relinearise();
   optimiser_.take_step(graph_, cameras_.newest().camera);

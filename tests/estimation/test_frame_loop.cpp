@@ -78,6 +78,22 @@ class FakeBelief final : public Belief {
     call("collapse");
     for (const int track : tracks) state.at(track).is_free = false;
   }
+  void held_motions(std::span<const int> tracks, const TrackRecords&,
+                    std::vector<MotionBelief>& result) override {
+    result.clear();
+    for (const int track : tracks) {
+      if (!remembered.contains(track)) continue;
+      MotionBelief& motion = result.emplace_back();
+      motion.track = track;
+      motion.w = 0.1 * Eigen::Vector3d::UnitX();
+      motion.covariance = Eigen::Matrix3d::Identity();
+    }
+  }
+  void release(int track, const LandmarkPrior&) override {
+    call("release");
+    state.at(track).is_free = true;
+    remembered.erase(track);
+  }
   void free(int track, const LandmarkPrior&) override {
     call("free");
     state.at(track).is_free = true;
@@ -129,6 +145,7 @@ class FakeBelief final : public Belief {
   std::vector<Sighting> sightings;
   std::map<int, FakeLandmark> state;
   std::vector<int> used, asked;
+  std::set<int> remembered;  // landmarks whose held motion is
   LandmarkPrior newest_prior;
   double last_dt = -1.0;
 
@@ -283,6 +300,19 @@ TEST_F(FrameLoopOf, RevertsAStaticLabelThatTheOtherMeasurementsReject) {
   for (int i = 0; i < 5; ++i) frame({1});
   EXPECT_EQ(label(1), Label::kStatic);
   EXPECT_THAT(calls_, testing::Not(testing::Contains("leave_one_out")));
+}
+
+TEST_F(FrameLoopOf, UndoesWhatIsRememberedOfARejectedLabel) {
+  start({});
+  frame({1, 2});
+  belief_->remembered = {1};
+  belief_->state.at(1).leave_one_out = belief_->state.at(2).leave_one_out = 30.0;
+  frame({1, 2});
+  frame({1, 2});
+  EXPECT_EQ(label(1), Label::kUnknown);
+  EXPECT_EQ(label(2), Label::kUnknown);
+  EXPECT_EQ(std::ranges::count(calls_, "release"), 1);
+  EXPECT_EQ(std::ranges::count(calls_, "free"), 1);
 }
 
 TEST_F(FrameLoopOf, StartsOverWithTheLabelsOfTheFirstFrame) {

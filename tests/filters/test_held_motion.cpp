@@ -39,6 +39,20 @@ void measure(JointState& state, const Eigen::MatrixXd& H, const Eigen::VectorXd&
   state.move(P_Ht * S.solve(nu));
 }
 
+// A step of the time, in which a free landmark moves with w; `F` is dy/dw.
+void predict(JointState& state, const Eigen::Matrix3d& F) {
+  FilterLandmark& landmark = state.landmarks.at(kTrack);
+  if (landmark.is_held()) {
+    state.covariance.add(landmark.y_block, landmark.held_block, F);
+    return;
+  }
+  landmark.y += F * landmark.w;
+  Eigen::MatrixXd of_landmark = Eigen::MatrixXd::Identity(6, 6);
+  of_landmark.topRightCorner<3, 3>() = F;
+  state.covariance.propagate({landmark.y_block, landmark.w_block}, of_landmark,
+                             Eigen::MatrixXd::Zero(6, 6));
+}
+
 void hold(JointState& state) {
   const Eigen::MatrixXd P = state.covariance.dense();
   const Eigen::Matrix3d J = P.block<3, 3>(kW.offset, kW.offset).inverse();
@@ -57,7 +71,7 @@ void release(JointState& state) {
   state.move(state.release_motion(kTrack, *motion));
 }
 
-TEST(HeldMotion, ReleasedAfterMeasurementsIsAsIfNeverHeld) {
+TEST(HeldMotion, ReleasedAfterStepsAndMeasurementsIsAsIfNeverHeld) {
   JointState free = any_state(), held = any_state();
   Eigen::MatrixXd H = Eigen::MatrixXd::Random(4, kDim);
   H.rightCols<3>().setZero();  // no pixel sees w
@@ -76,6 +90,9 @@ TEST(HeldMotion, ReleasedAfterMeasurementsIsAsIfNeverHeld) {
       return z - H * x;
     };
     H.middleCols<3>(kAngularVelocity).setZero();
+    const Eigen::Matrix3d F = Eigen::Matrix3d::Random();
+    predict(free, F);
+    predict(held, F);
     measure(free, H, innovation(free));
     measure(held, H, innovation(held));
   }
