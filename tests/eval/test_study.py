@@ -49,22 +49,28 @@ def slammot(*arguments, code=0):
     return done
 
 
-class WithStudy(unittest.TestCase):
-    TEXT = STUDY
-
+class WithFolder(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.temporary = tempfile.TemporaryDirectory()
         cls.folder = pathlib.Path(cls.temporary.name)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+
+class WithStudy(WithFolder):
+    TEXT = STUDY
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
         cls.study = cls.folder / "small.yaml"
         cls.study.write_text(cls.TEXT, encoding="utf-8")
         cls.whole = cls.folder / "whole"
         slammot("study", cls.study, "--jobs", 2, "--output", cls.whole)
         cls.expected = (cls.whole / "results.jsonl").read_bytes()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
 
     def same(self, folder):
         self.assertEqual((folder / "results.jsonl").read_bytes(), self.expected)
@@ -243,6 +249,70 @@ class Page(WithStudy):
         error = slammot("study", ranked, "--output", self.folder / "ranked", code=2).stderr
         self.assertRegex(error, r"\A.*ranked\.yaml:0: .*ideal_covariance.*\n\Z")
 
+    def test_report(self):
+        folder = self.whole
+        for name in FIGURES:
+            for ending in ("pdf", "png"):
+                self.assertGreater((folder / "figures" / f"{name.replace(':', '_')}.{ending}").stat().st_size, 5000)
+        for name, rows in (("summary", 2), ("consistency", 10), ("classification", 4), ("pairs", 1), ("metrics", 2), ("coverage", 2)):
+            lines = (folder / "tables" / f"{name}.csv").read_text(encoding="utf-8").splitlines()
+            self.assertEqual(len(lines), 1 + self.GROUPS * rows, name)
+            self.assertNotIn("nan", "".join(lines).lower().replace("anees", ""))
+            latex = (folder / "tables" / f"{name}.tex").read_text(encoding="utf-8")
+            for part in (r"\begin{tabular}", r"\toprule", r"\midrule", r"\bottomrule"):
+                self.assertIn(part, latex)
+            self.assertNotIn(r"\hline", latex)
+        self.check_paper((folder / "tables" / "paper.tex").read_text(encoding="utf-8"), folder)
+        page = (folder / "report.html").read_text(encoding="utf-8")
+        dom = self.opened(page)
+        self.assertNotIn("data-console-errors", dom)
+        errors = self.opened("<!doctype html><html><head></head><script>console.error('said')</script><script>oops()</script></html>")
+        self.assertRegex(errors, 'data-console-errors="said.*oops')
+        self.assertIn('data-drawn="1"', dom)
+        self.assertNotIn("data-error", dom)
+        landmarks = int(dom.split('data-landmarks="')[1].split('"')[0])
+        self.assertGreater(landmarks, 10)
+        self.assertGreater(int(dom.split('data-marks="')[1].split('"')[0]), landmarks)  # what Plotly holds
+        self.assertEqual(dom.count('<img src="data:image/png;base64,'), len(FIGURES))
+
+    def test_poses_at_a_lag(self):
+        """Of the estimators that keep past poses, judged over the same frames at each lag; the others have none."""
+        study = self.folder / "lag.yaml"
+        study.write_text("""format: slammot-study-1
+name: lag
+runs: 2
+scenarios: [{scenario: circle, set: {frames: 50}}]
+estimators:
+  - {estimator: ekf}
+  - {estimator: ekf, label: ekf lag 3, set: {ekf.lag: 3}}
+  - {estimator: window, label: window 3, set: {window.frames: 3}}
+figures: [lag]
+""", encoding="utf-8")
+        folder = self.folder / "lag"
+        slammot("study", study, "--output", folder)
+        kept = list(csv.DictReader((folder / "runs.csv").read_text(encoding="utf-8").splitlines()))
+        for cell in json.loads((folder / "summary.json").read_text(encoding="utf-8"))["groups"][0]["cells"][1:]:
+            for quantity, ratio in (("position_rmse_m", "position_rmse_ratio"), ("nees_pose", "nees_pose_ratio")):
+                of_runs = [float(run[f"lag.2.{quantity}"]) / float(run[f"lag.0.{quantity}"]) for run in kept if run["label"] == cell["label"]]
+                self.assertEqual(len(of_runs), 2)
+                self.assertAlmostEqual(cell[f"lag.2.{ratio}"]["value"], sum(of_runs) / 2, delta=1e-9)
+        rows = [line.split(",")[1:3] for line in (folder / "tables" / "lags.csv").read_text(encoding="utf-8").splitlines()]
+        self.assertEqual(rows, [["estimator", "lag [frames]"], *([label, lag] for label in ("ekf lag 3", "window 3") for lag in "012")])
+        self.assertNotIn("lag", (folder / "tables" / "metrics.csv").read_text(encoding="utf-8").splitlines()[0])
+        self.assertGreater((folder / "figures" / "lag.png").stat().st_size, 5000)
+        self.assertIn("<h2>Poses at a lag</h2>", (folder / "report.html").read_text(encoding="utf-8"))
+
+    def test_without_lags_none_are_drawn(self):
+        study = self.folder / "no_lag.yaml"
+        study.write_text(f"{STUDY}figures: [lag]\n", encoding="utf-8")  # shorter than the longest lag
+        folder = self.folder / "no_lag"
+        slammot("study", study, "--runs", 1, "--output", folder)
+        self.assertFalse((folder / "figures" / "lag.png").exists())
+        self.assertFalse((folder / "tables" / "lags.csv").exists())
+        self.assertNotIn("Poses at a lag", (folder / "report.html").read_text(encoding="utf-8"))
+
+
+class Recordings(WithFolder):
     def recorded(self):
         """A sequence as recorded: without the truth of its points, so that its poses count as measured, and these of twice the size."""
         sequence = self.folder / "recorded"
@@ -341,68 +411,6 @@ figures: [{figures}]
             self.assertIn(reason, slammot("compare", self.recorded(), "--estimator", bad, "--output", self.folder / "bad", code=2).stderr)
         self.assertIn("compared with itself", slammot("compare", self.recorded(), "--estimator", "ekf", "--estimator", "ekf", "--output",
                                                       self.folder / "same", code=2).stderr)
-
-    def test_report(self):
-        folder = self.whole
-        for name in FIGURES:
-            for ending in ("pdf", "png"):
-                self.assertGreater((folder / "figures" / f"{name.replace(':', '_')}.{ending}").stat().st_size, 5000)
-        for name, rows in (("summary", 2), ("consistency", 10), ("classification", 4), ("pairs", 1), ("metrics", 2), ("coverage", 2)):
-            lines = (folder / "tables" / f"{name}.csv").read_text(encoding="utf-8").splitlines()
-            self.assertEqual(len(lines), 1 + self.GROUPS * rows, name)
-            self.assertNotIn("nan", "".join(lines).lower().replace("anees", ""))
-            latex = (folder / "tables" / f"{name}.tex").read_text(encoding="utf-8")
-            for part in (r"\begin{tabular}", r"\toprule", r"\midrule", r"\bottomrule"):
-                self.assertIn(part, latex)
-            self.assertNotIn(r"\hline", latex)
-        self.check_paper((folder / "tables" / "paper.tex").read_text(encoding="utf-8"), folder)
-        page = (folder / "report.html").read_text(encoding="utf-8")
-        dom = self.opened(page)
-        self.assertNotIn("data-console-errors", dom)
-        errors = self.opened("<!doctype html><html><head></head><script>console.error('said')</script><script>oops()</script></html>")
-        self.assertRegex(errors, 'data-console-errors="said.*oops')
-        self.assertIn('data-drawn="1"', dom)
-        self.assertNotIn("data-error", dom)
-        landmarks = int(dom.split('data-landmarks="')[1].split('"')[0])
-        self.assertGreater(landmarks, 10)
-        self.assertGreater(int(dom.split('data-marks="')[1].split('"')[0]), landmarks)  # what Plotly holds
-        self.assertEqual(dom.count('<img src="data:image/png;base64,'), len(FIGURES))
-
-    def test_poses_at_a_lag(self):
-        """Of the estimators that keep past poses, judged over the same frames at each lag; the others have none."""
-        study = self.folder / "lag.yaml"
-        study.write_text("""format: slammot-study-1
-name: lag
-runs: 2
-scenarios: [{scenario: circle, set: {frames: 50}}]
-estimators:
-  - {estimator: ekf}
-  - {estimator: ekf, label: ekf lag 3, set: {ekf.lag: 3}}
-  - {estimator: window, label: window 3, set: {window.frames: 3}}
-figures: [lag]
-""", encoding="utf-8")
-        folder = self.folder / "lag"
-        slammot("study", study, "--output", folder)
-        kept = list(csv.DictReader((folder / "runs.csv").read_text(encoding="utf-8").splitlines()))
-        for cell in json.loads((folder / "summary.json").read_text(encoding="utf-8"))["groups"][0]["cells"][1:]:
-            for quantity, ratio in (("position_rmse_m", "position_rmse_ratio"), ("nees_pose", "nees_pose_ratio")):
-                of_runs = [float(run[f"lag.2.{quantity}"]) / float(run[f"lag.0.{quantity}"]) for run in kept if run["label"] == cell["label"]]
-                self.assertEqual(len(of_runs), 2)
-                self.assertAlmostEqual(cell[f"lag.2.{ratio}"]["value"], sum(of_runs) / 2, delta=1e-9)
-        rows = [line.split(",")[1:3] for line in (folder / "tables" / "lags.csv").read_text(encoding="utf-8").splitlines()]
-        self.assertEqual(rows, [["estimator", "lag [frames]"], *([label, lag] for label in ("ekf lag 3", "window 3") for lag in "012")])
-        self.assertNotIn("lag", (folder / "tables" / "metrics.csv").read_text(encoding="utf-8").splitlines()[0])
-        self.assertGreater((folder / "figures" / "lag.png").stat().st_size, 5000)
-        self.assertIn("<h2>Poses at a lag</h2>", (folder / "report.html").read_text(encoding="utf-8"))
-
-    def test_without_lags_none_are_drawn(self):
-        study = self.folder / "no_lag.yaml"
-        study.write_text(f"{STUDY}figures: [lag]\n", encoding="utf-8")  # shorter than the longest lag
-        folder = self.folder / "no_lag"
-        slammot("study", study, "--runs", 1, "--output", folder)
-        self.assertFalse((folder / "figures" / "lag.png").exists())
-        self.assertFalse((folder / "tables" / "lags.csv").exists())
-        self.assertNotIn("Poses at a lag", (folder / "report.html").read_text(encoding="utf-8"))
 
 
 if __name__ == "__main__":
