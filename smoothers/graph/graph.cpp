@@ -82,6 +82,7 @@ void Graph::remove_landmark(LandmarkId id) {
   landmark.is_alive = false;
   landmark.w = -1;
   landmark.w_sigmas.resize(0);
+  landmark.held.reset();
   landmark.chain.clear();
   landmark.pixels.clear();
   landmark.birth = {};
@@ -95,9 +96,17 @@ void Graph::free_landmark(LandmarkId id, const MotionVector& sigmas) {
 }
 
 void Graph::condition_on_rest(LandmarkId id) {
+  hold_at_rest(id);
+  forget_held(id);
+}
+
+void Graph::hold_at_rest(LandmarkId id) {
   GraphLandmark& l = (*this)[id];
-  prior_.condition_on_zero(l.w);
-  variables.remove(l.w);
+  Variable& w = variables[l.w];
+  w.value.setZero();
+  w.step.setZero(w.dim());
+  w.is_held = true;
+  l.held = HeldMotion{l.w, l.w_sigmas};
   l.w = -1;
   l.w_sigmas.resize(0);
   l.chain.clear();
@@ -107,6 +116,22 @@ void Graph::condition_on_rest(LandmarkId id) {
     pixel.depth = 0;
     linearise_pixel(pixel, l, y.value, y.point());
   }
+}
+
+void Graph::release(LandmarkId id) {
+  GraphLandmark& l = (*this)[id];
+  l.w = l.held->w;
+  l.w_sigmas = l.held->sigmas;
+  l.held.reset();
+  variables[l.w].is_held = false;
+}
+
+void Graph::forget_held(LandmarkId id) {
+  GraphLandmark& l = (*this)[id];
+  if (!l.held) return;
+  prior_.condition_on_zero(l.held->w);
+  variables.remove(l.held->w);
+  l.held.reset();
 }
 
 void Graph::add_pixel(LandmarkId id, const GraphCamera& camera, const Eigen::Vector2d& pixel,

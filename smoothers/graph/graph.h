@@ -83,8 +83,12 @@ class Graph {
   // It is free from its base, where no chain has begun, with w at zero under its prior.
   void free_landmark(LandmarkId id, const MotionVector& sigmas);
   // It has been at rest all the time: w and all noises are zero, and its measurements are those of
-  // one point. Those along the chain are linearised anew.
+  // one point. Those along the chain are linearised anew. hold_at_rest() keeps w, until it is
+  // forgotten or released, and a chain begins.
   void condition_on_rest(LandmarkId id);
+  void hold_at_rest(LandmarkId id);
+  void forget_held(LandmarkId id);
+  void release(LandmarkId id);
   // A measurement by a camera at the end of the chain.
   void add_pixel(LandmarkId id, const GraphCamera& camera, const Eigen::Vector2d& pixel, int depth);
 

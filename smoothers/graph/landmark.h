@@ -62,12 +62,20 @@ struct BirthPrior {
   int rows() const { return kind == Kind::kNone ? 0 : kind == Kind::kKnown ? 3 : 1; }
 };
 
+// The motion of a landmark that is static, in the prior with all that has left the graph; at rest
+// until it is released.
+struct HeldMotion {
+  VariableId w = 0;
+  MotionVector sigmas;  // of its own prior; empty once it is marginalised
+};
+
 struct GraphLandmark {
   bool is_alive = true;
-  VariableId anchor = 0;  // camera position at its birth
-  VariableId y = 0;       // at the base
-  VariableId w = -1;      // at the base; -1: static
-  MotionVector w_sigmas;  // of w's prior; empty once it is marginalised
+  VariableId anchor = 0;           // camera position at its birth
+  VariableId y = 0;                // at the base
+  VariableId w = -1;               // at the base; -1: static
+  MotionVector w_sigmas;           // of w's prior; empty once it is marginalised
+  std::optional<HeldMotion> held;  // only of a static one
   std::vector<ChainStep> chain;
   std::vector<GraphPixel> pixels;  // oldest first
   BirthPrior birth;

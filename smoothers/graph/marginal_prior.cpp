@@ -38,14 +38,13 @@ const Eigen::VectorXd& MarginalPrior::difference(Field b) const {
   return difference_;
 }
 
-double MarginalPrior::square(Field b) const {
-  if (cols_ == 0) return 0.0;
+const Eigen::VectorXd& MarginalPrior::residual(Field b) const {
   residual_ = r_;
-  residual_.noalias() += *R_ * difference(b);
-  return residual_.squaredNorm();
+  if (cols_ > 0) residual_.noalias() += *R_ * difference(b);
+  return residual_;
 }
 
-Eigen::VectorXd MarginalPrior::residual() const { return *R_ * difference() + r_; }
+double MarginalPrior::square(Field b) const { return cols_ > 0 ? residual(b).squaredNorm() : 0.0; }
 
 Eigen::MatrixXd MarginalPrior::jacobian() const {
   Eigen::MatrixXd J = *R_;
@@ -84,8 +83,10 @@ void MarginalPrior::find_runs() const {
   for (const Block& block : blocks_) {
     const int core = block.variable->core, dim = block.dim();
     const bool turning = turns(block);
+    if (block.variable->is_held) continue;
     if (!runs_.empty() && !turning && !runs_.back().turning &&
-        runs_.back().core + runs_.back().dim == core) {
+        runs_.back().core + runs_.back().dim == core &&
+        runs_.back().offset + runs_.back().dim == block.offset) {
       runs_.back().dim += dim;
     } else {
       runs_.push_back({block.offset, core, dim, turning, Eigen::Matrix3d::Identity()});
@@ -99,7 +100,7 @@ void MarginalPrior::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::Vect
   if (cols_ == 0) return;
   compute_gram();
   find_runs();
-  square();
+  residual();
   gradient_.noalias() = (*R_).transpose() * residual_;
   const auto gram = *gram_;
   for (std::size_t j = 0; j < runs_.size(); ++j) {
@@ -135,6 +136,19 @@ void MarginalPrior::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::Vect
       }
     }
   }
+}
+
+void MarginalPrior::add_held(VariableId id, Eigen::Ref<Eigen::MatrixXd> information,
+                             Eigen::Ref<Eigen::MatrixXd> E,
+                             Eigen::Ref<Eigen::VectorXd> gradient) const {
+  const Block* block = find(id);
+  if (!block) return;
+  const auto R = *R_;
+  const auto C = R.middleCols(block->offset, block->dim());
+  const Eigen::MatrixXd K = C.transpose() * R;
+  information += K.middleCols(block->offset, block->dim());
+  gradient += C.transpose() * residual();
+  add_transposed(K, E);
 }
 
 void MarginalPrior::add_transposed(const Eigen::MatrixXd& K, Eigen::Ref<Eigen::MatrixXd> E) const {

@@ -41,11 +41,11 @@ class MarginalPrior {
   // The result is overwritten by the next call of any function here.
   const Eigen::VectorXd& difference(Field b = &Variable::value) const;
 
-  // |R (b [-] b0) + r|^2.
+  // R (b [-] b0) + r, overwritten likewise, and its square.
+  const Eigen::VectorXd& residual(Field b = &Variable::value) const;
   double square(Field b = &Variable::value) const;
 
-  // R (b [-] b0) + r and its Jacobian R T, at the current estimate.
-  Eigen::VectorXd residual() const;
+  // The Jacobian R T of the residual at the current estimate.
   Eigen::MatrixXd jacobian() const;
   Eigen::Map<const Eigen::MatrixXd> R() const { return *R_; }
   const Eigen::VectorXd& r() const { return r_; }
@@ -57,6 +57,11 @@ class MarginalPrior {
 
   // Adds T'R'R T and T'R'(R (b [-] b0) + r) where Variable::core says; of H its lower triangle.
   void add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::VectorXd> g) const;
+
+  // Of a held variable, C being its columns of R: `information` += C'C, E += (C'R T)' as
+  // add_transposed(), `gradient` += C'residual. Nothing when the prior does not touch it.
+  void add_held(VariableId id, Eigen::Ref<Eigen::MatrixXd> information,
+                Eigen::Ref<Eigen::MatrixXd> E, Eigen::Ref<Eigen::VectorXd> gradient) const;
 
   // E += (K T)' where Variable::core says; K has the columns of R. T is that of the last add_to().
   void add_transposed(const Eigen::MatrixXd& K, Eigen::Ref<Eigen::MatrixXd> E) const;

@@ -19,6 +19,7 @@ struct Variable {
   bool is_orientation = false;  // else Euclidean
   bool is_private = false;      // a landmark's own, eliminated with it; not once the prior holds it
   bool is_active = true;        // false: in the conditional map
+  bool is_held = false;         // at its value: it has columns in the prior, but no step is taken
   bool is_alive = true;         // false: the slot is vacant
   std::optional<SmallVector> linearisation_point;  // set: Jacobians are taken there, not at value
 

@@ -40,6 +40,7 @@ class Builder {
       } else {
         problem_->AddParameterBlock(v.value.data(), size);
       }
+      if (v.is_held) problem_->SetParameterBlockConstant(v.value.data());
     });
   }
 

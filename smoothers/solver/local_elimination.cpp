@@ -61,6 +61,7 @@ void LocalElimination::lay_out(const Graph& graph, const GraphLandmark& l, Varia
                       departure_.forgets_w || departure_.leaves);
   }
   y_column_ = place(l.y, y.is_private, departure_.leaves);
+  held_column_ = l.held ? place(l.held->w, false, false) : -1;
   const auto touch = [&](VariableId id) {
     const int dim = graph.variables[id].dim();
     if (std::ranges::find(segments_, id, &Segment::variable) != segments_.end()) return;
@@ -83,6 +84,7 @@ void LocalElimination::lay_out(const Graph& graph, const GraphLandmark& l, Varia
   for (const GraphPixel& pixel : l.pixels) rows += takes(pixel, oldest) ? 2 : 0;
   if (takes_birth(l, oldest)) rows += l.birth.rows();
   if (departure_.absorbs_prior_of_w) rows += l.w_sigmas.size();
+  if (l.held) rows += l.held->sigmas.size();
   A_.resize(rows, column + 1);
   (*A_).setZero();
 }
@@ -103,6 +105,17 @@ void LocalElimination::fill_on_state(Eigen::Index row, Eigen::Index rows, int de
   if (w_column_ >= 0) A.block(row, w_column_, rows, dim_ - 3) = coefficient.rightCols(dim_ - 3);
 }
 
+// With w the landmark would have been at y + F_yw w.
+void LocalElimination::fill_on_held(const Graph& graph, const GraphPixel& pixel, Eigen::Index row,
+                                    const GraphLandmark& l) {
+  const LandmarkFunctions& model = *graph.models().landmark;
+  const LandmarkVector at_rest =
+      landmark_state(graph.variables[l.y].value, MotionVector::Zero(model.motion));
+  const LandmarkMatrix F = model.predict_jacobian(at_rest, departure_.since_rest);
+  (*A_).block(row, held_column_, 2, model.motion) =
+      pixel.at.J_y * F.topRightCorner(3, model.motion);
+}
+
 void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, VariableId oldest) {
   auto A = *A_;
   auto residual = A.col(A.cols() - 1);
@@ -119,6 +132,7 @@ void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, Variable
     LandmarkMatrix on_state = LandmarkMatrix::Zero(2, dim_);
     on_state.leftCols<3>() = pixel.at.J_y;
     fill_on_state(row, 2, pixel.depth, on_state, l);
+    if (l.held) fill_on_held(graph, pixel, row, l);
     if (!pixel.z.here) {
       A.block<2, 3>(row, column(pixel.position)) = pixel.at.J_pose.leftCols<3>();
       A.block<2, 3>(row, column(l.anchor)) += pixel.at.J_anchor;
@@ -141,6 +155,9 @@ void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, Variable
     residual.segment(row, rows) = l.birth.r.head(rows);
     row += rows;
   }
+  if (l.held)
+    A.block(row, held_column_, l.held->sigmas.size(), l.held->sigmas.size()) =
+        l.held->sigmas.cwiseInverse().asDiagonal();
   if (!departure_.absorbs_prior_of_w || l.w_sigmas.size() == 0) return;
   const Eigen::Index motion = l.w_sigmas.size();
   LandmarkMatrix on_state = LandmarkMatrix::Zero(motion, dim_);

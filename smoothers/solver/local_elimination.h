@@ -19,8 +19,9 @@ struct Departure {
   int steps = 0;          // of the chain that the base moves on
   bool all_rows = false;  // else the oldest camera's only; `steps` is then the whole chain
   bool absorbs_prior_of_w = false;
-  bool forgets_w = false;  // it is static from then on
-  bool leaves = false;     // all of it
+  bool forgets_w = false;   // it is static from then on
+  bool leaves = false;      // all of it
+  double since_rest = 0.0;  // of one whose motion is held: the oldest frame, after that of y [s]
 };
 
 class LocalElimination {
@@ -51,6 +52,8 @@ class LocalElimination {
   void fill(const Graph& graph, const GraphLandmark& landmark, VariableId oldest);
   void fill_on_state(Eigen::Index row, Eigen::Index rows, int depth, LandmarkMatrix coefficient,
                      const GraphLandmark& landmark);
+  void fill_on_held(const Graph& graph, const GraphPixel& pixel, Eigen::Index row,
+                    const GraphLandmark& landmark);
   void rotate_noises();
   void follow_chain(const Graph& graph, const GraphLandmark& landmark);
   bool takes(const GraphPixel& pixel, VariableId oldest) const {
@@ -62,10 +65,10 @@ class LocalElimination {
 
   Departure departure_;
   bool substitutes_ = false;
-  int dim_ = 3;         // of x
-  int noises_ = 0;      // columns of all noises
-  int eliminated_ = 0;  // columns
-  int y_column_ = 0, w_column_ = 0;
+  int dim_ = 3;                                        // of x
+  int noises_ = 0;                                     // columns of all noises
+  int eliminated_ = 0;                                 // columns
+  int y_column_ = 0, w_column_ = 0, held_column_ = 0;  // -1: none
   Eigen::Index eliminated_rows_ = 0;
   std::vector<Segment> segments_;
   GrowingMatrix N_, A_;

@@ -110,6 +110,7 @@ void Marginaliser::update_landmark(Graph& graph, const LocalElimination& local,
   std::erase_if(l.pixels, [&](const GraphPixel& p) { return d.all_rows || p.position == oldest; });
   for (GraphPixel& p : l.pixels) p.depth -= d.steps;
   if (d.absorbs_prior_of_w) l.w_sigmas.resize(0);
+  if (l.held) l.held->sigmas.resize(0);
 }
 
 void Marginaliser::operator()(Graph& graph, const Leaving& leaving) {

@@ -32,13 +32,13 @@ void NormalEquations::place(Graph& graph) {
   constexpr int kOfPrior = -2;
   core_dim_ = 0;
   const auto to_core = [&](Variable& v) {
-    if (v.core >= 0) return;
+    if (v.core >= 0 || v.is_held) return;
     v.core = core_dim_;
     core_dim_ += v.dim();
   };
   graph.variables.for_each([](Variable& v) { v.core = -1; });
   for (const MarginalPrior::Block& block : graph.prior().active.blocks()) {
-    graph.variables[block.variable->id].core = kOfPrior;
+    if (!block.variable->is_held) graph.variables[block.variable->id].core = kOfPrior;
   }
   const auto& motions = graph.motions;
   for (std::size_t i = motions.size(); i-- > 1;) {

@@ -133,9 +133,11 @@ void Window::collapse(std::span<const int> tracks) {
     }
     landmark.is_free = false;
     landmark.rests_since = cameras_.newest().number;
+    landmark.rest_time = cameras_.find(landmark.base)->timestamp;
     landmark.base = cameras_.newest().camera.position;
     if (condition_) {
-      graph_.condition_on_rest(landmark.id);
+      graph_.hold_at_rest(landmark.id);
+      if (memory_ == 0) graph_.forget_held(landmark.id);
       truth_.apply(landmark);
     } else {
       landmark.drops = true;
@@ -159,6 +161,7 @@ void Window::free(int track, const LandmarkPrior& prior) {
   landmark.base = cameras_.newest().camera.position;
   landmark.is_free = true;
   landmark.rests_since.reset();
+  graph_.forget_held(landmark.id);
   graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
   truth_.apply(landmark);
 }
@@ -167,6 +170,7 @@ void Window::free(int track, const LandmarkPrior& prior) {
 void Window::remove(std::span<const int> tracks, const TrackRecords& records) {
   for (const int track : tracks) {
     WindowLandmark& landmark = landmarks_.at(track);
+    graph_.forget_held(landmark.id);
     if (histories_) end_history(landmark, records.at(track));
     const VariableId y = graph_[landmark.id].y;
     if (is_inactive(y)) {

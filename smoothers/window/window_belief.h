@@ -81,8 +81,9 @@ class Window final : public Belief {
   void end_chain(WindowLandmark& landmark);
 
   // window_held.cpp: static landmarks that may have moved.
-  bool is_remembered(const WindowLandmark& landmark) const;
+  void forget_motions();
   void motion_rows(const WindowLandmark& landmark, GrowingMatrix& A) const;
+  void move_to_base(const WindowLandmark& landmark, const WindowFrame& base);
   void move_since(WindowLandmark& landmark, const WindowFrame& base);
 
   // window_retest.cpp

@@ -1,73 +1,79 @@
-// A label that can be undone: the window still holds the pixels of a static landmark, and so what
-// they say of its motion.
+// A label that can be undone. The motion w of a static landmark is a variable that is held at zero.
+// What leaves the window goes into the prior with its columns for w: had the landmark moved with w
+// since the time of y, it had been seen at y + F_yw(t) w, F_yw of its model's prediction at rest.
+// Of the pixels in the window A is the Jacobian with respect to w, r their residuals, P and B = P J
+// those of given_others.h; C are the columns of w in the prior, R and r_p the rest of it. Then
 //
-// A landmark that moves with w since the frame of its oldest pixel in the window is seen at
-// y + F_yw(t) w in the others, F_yw of its model's prediction at rest. With A the Jacobian of all
-// its pixels with respect to w, P and B = P J of given_others.h and r the residuals at the optimum,
+//   J_w = A' P A + C'C - D' Sigma D + diag(sigmas)^-2,   D = B'A + R'C,
+//   w = -J_w^-1 (A' r + C' r_p),
 //
-//   J_w = A' P A - (B'A)' Sigma (B'A) + diag(sigmas)^-2,   w = -J_w^-1 A' r,
-//
-// that is, its marginal were w one variable more, by one Gauss-Newton step. What has left the
-// window was used with the landmark at rest and stays so; the EKF keeps it (held_motion.cpp).
+// that is, the marginal of w were it free, by one Gauss-Newton step. The filter keeps the same
+// (held_motion.cpp). The term with sigmas is in the prior once a pixel has left.
 #include <Eigen/Cholesky>
 
 #include "smoothers/window/window_belief.h"
 
 namespace slammot {
 
-bool Window::is_remembered(const WindowLandmark& landmark) const {
-  return memory_ > 0 && !landmark.is_free && landmark.rests_since &&
-         cameras_.newest().number - *landmark.rests_since <= memory_ &&
-         !is_inactive(graph_[landmark.id].y);
+// Of what is static for long enough, or about to be deactivated.
+void Window::forget_motions() {
+  const bool is_full = static_cast<int>(cameras_.frames().size()) > options_.frames;
+  for (const auto& [track, landmark] : landmarks_) {
+    if (!graph_[landmark.id].held) continue;
+    const bool is_old = cameras_.newest().number - *landmark.rests_since > memory_;
+    const bool is_unseen = is_full && landmark.last_used <= cameras_.oldest().index;
+    if (is_old || is_unseen) graph_.forget_held(landmark.id);
+  }
 }
 
 void Window::motion_rows(const WindowLandmark& landmark, GrowingMatrix& A) const {
   const GraphLandmark& l = graph_[landmark.id];
   const int motion = functions_.motion;
   const LandmarkVector at = at_rest(landmark);
-  const double begin = cameras_.find(l.pixels.front().position)->timestamp;
   A.resize(2 * std::ssize(l.pixels), motion);
   for (Eigen::Index i = 0; i < std::ssize(l.pixels); ++i) {
     const GraphPixel& pixel = l.pixels[static_cast<std::size_t>(i)];
-    const double dt = cameras_.find(pixel.position)->timestamp - begin;
-    const LandmarkMatrix F = functions_.predict_jacobian(at, dt);
+    const double dt = cameras_.find(pixel.position)->timestamp - landmark.rest_time;
+    const LandmarkMatrix F = functions_.predict_jacobian(at, std::max(0.0, dt));
     (*A).middleRows<2>(2 * i).noalias() = pixel.at.J_y * F.topRightCorner(3, motion);
   }
 }
 
-void Window::held_motions(std::span<const int> tracks, const TrackRecords& records,
+void Window::held_motions(std::span<const int> tracks, const TrackRecords& /*records*/,
                           std::vector<MotionBelief>& result) {
   result.clear();
+  if (memory_ == 0 || tracks.empty()) return;
   const NormalEquations& equations = optimiser_.equations();
+  const MarginalPrior& prior = graph_.prior().active;
   const Eigen::Index n = functions_.motion;
   motion_columns_.resize(equations.core_dim(), n * std::ssize(tracks));
   for (const int track : tracks) {
     const WindowLandmark& landmark = landmarks_.at(track);
     const GraphLandmark& l = graph_[landmark.id];
-    if (!is_remembered(landmark) || l.pixels.size() < 2) continue;
+    if (!l.held || l.pixels.size() < 2) continue;
     motion_rows(landmark, motion_rows_);
-    Eigen::VectorXd r((*motion_rows_).rows());
-    for (Eigen::Index i = 0; i < std::ssize(l.pixels); ++i) {
-      r.segment<2>(2 * i) = l.pixels[static_cast<std::size_t>(i)].at.r;
-    }
     MotionMatrix own;
     auto columns = (*motion_columns_).middleCols(n * std::ssize(result), n);
     equations.block(landmark.id).weigh(*motion_rows_, columns, own);
+    MotionVector gradient = MotionVector::Zero(n);
+    for (Eigen::Index i = 0; i < std::ssize(l.pixels); ++i) {
+      gradient += (*motion_rows_).middleRows<2>(2 * i).transpose() *
+                  l.pixels[static_cast<std::size_t>(i)].at.r;
+    }
+    prior.add_held(l.held->w, own, columns, gradient);
+    if (l.held->sigmas.size() > 0) own.diagonal() += l.held->sigmas.cwiseAbs2().cwiseInverse();
     MotionBelief& motion = result.emplace_back();
     motion.track = track;
     motion.covariance = own;  // an information, so far
-    motion.w = -(*motion_rows_).transpose() * r;
+    motion.w = -gradient;
   }
   auto columns = (*motion_columns_).leftCols(n * std::ssize(result));
   if (!result.empty()) equations.whiten(columns);
   std::size_t determined = 0;
   for (Eigen::Index i = 0; i < std::ssize(result); ++i) {
     MotionBelief& motion = result[static_cast<std::size_t>(i)];
-    const MotionVector sigmas = functions_.prior_sigmas(records.at(motion.track).prior);
     const auto of_core = columns.middleCols(n * i, n);
-    MotionMatrix J = motion.covariance - of_core.transpose() * of_core;
-    J.diagonal() += sigmas.cwiseAbs2().cwiseInverse();
-    const Eigen::LLT<MotionMatrix> llt(J);
+    const Eigen::LLT<MotionMatrix> llt(motion.covariance - of_core.transpose() * of_core);
     if (llt.info() != Eigen::Success) continue;
     motion.covariance = llt.solve(MotionMatrix::Identity(n, n));
     motion.w = llt.solve(motion.w).eval();
@@ -79,15 +85,16 @@ void Window::held_motions(std::span<const int> tracks, const TrackRecords& recor
   result.resize(determined);
 }
 
-// It is free with its pixels of the window, and the window is solved once more. What was refused of
-// it before it could move is not of that point.
-void Window::release(int track, const LandmarkPrior& prior) {
+// It is free with its pixels of the window and all that the prior knows of it, and the window is
+// solved once more. What was refused of it before its base is not of that point.
+void Window::release(int track, const LandmarkPrior& /*prior*/) {
   WindowLandmark& landmark = landmarks_.at(track);
   const WindowFrame& base = *cameras_.find(graph_[landmark.id].pixels.front().position);
   if (histories_) histories_->rested_until(track, base.number, at_rest(landmark));
   landmark.is_free = true;
   landmark.rests_since.reset();
-  graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
+  graph_.release(landmark.id);
+  move_to_base(landmark, base);
   move_since(landmark, base);
   std::erase_if(refused_, [&](const RefusedPixel& z) {
     return z.track == track && cameras_.find(z.position)->number < base.number;
@@ -96,6 +103,23 @@ void Window::release(int track, const LandmarkPrior& prior) {
   graph_.prior().relinearise();
   optimiser_.take_step(graph_, cameras_.newest().camera);
   estimate_camera();
+}
+
+// From the time of y, where it may have left the window, to this frame: a step without noise.
+void Window::move_to_base(const WindowLandmark& landmark, const WindowFrame& base) {
+  GraphLandmark& l = graph_[landmark.id];
+  if (base.timestamp <= landmark.rest_time) return;
+  ChainStep step;
+  step.dt = base.timestamp - landmark.rest_time;
+  step.G.setZero(functions_.dim(), functions_.dim());
+  step.noise.setZero(functions_.dim());
+  l.chain.push_back(step);
+  for (GraphPixel& pixel : l.pixels) pixel.depth = 1;
+  leaving_.clear();
+  Departure& d = leaving_.departures.emplace_back();
+  d.landmark = landmark.id;
+  d.steps = 1;
+  marginaliser_(graph_, leaving_);
 }
 
 // Its chain begins in this frame, and its pixels are measured along it.

@@ -12,6 +12,7 @@ struct WindowLandmark {
   VariableId base = 0;  // camera position of the frame where its chain begins
   bool is_free = false;
   std::optional<int> rests_since;  // WindowFrame::number, when a classifier found it static
+  double rest_time = 0.0;          // of the frame that y is of, should its motion be held
   bool drops = false;              // it has become static: w is marginalised before the next update
 };
 

@@ -9,6 +9,7 @@ namespace slammot {
 // enter, and the motions of landmarks that have become static.
 void Window::marginalise() {
   leaving_.clear();
+  forget_motions();
   find_departures();
   if (leaving_.oldest) {
     find_inactive(cameras_.oldest());
@@ -51,6 +52,7 @@ void Window::depart(const WindowLandmark& landmark, const WindowFrame* oldest, b
   if (is_inactive(l.y)) return;
   Departure d;
   d.landmark = landmark.id;
+  if (oldest) d.since_rest = std::max(0.0, oldest->timestamp - landmark.rest_time);
   const bool is_based = oldest && landmark.base == oldest->camera.position;
   if (landmark.drops) {
     d.steps = l.steps();

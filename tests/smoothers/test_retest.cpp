@@ -76,6 +76,8 @@ TEST(Retest, LetsGoOfAnOutlierThatHasPassedTheGate) {
     retested.process_until(sequence, kEnd);
     if (retested.uses(*outlier)) continue;
     WindowRun plain(sequence, false);
+    plain.process_until(sequence, kFrame + 1);
+    if (!plain.uses(*outlier)) continue;
     plain.process_until(sequence, kEnd);
     EXPECT_TRUE(plain.uses(*outlier));
     return;

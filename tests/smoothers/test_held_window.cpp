@@ -1,0 +1,69 @@
+// A static landmark's motion, held in the window (smoothers/window/window_held.cpp).
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include "datasets/simulation/scenario.h"
+#include "estimation/loop/frame_loop.h"
+#include "eval/configuration/setup.h"
+#include "smoothers/window/window_belief.h"
+
+namespace slammot {
+namespace {
+
+class WindowOf {
+ public:
+  explicit WindowOf(const Sequence& sequence, int frames) {
+    Configuration configuration;
+    configuration.window.frames = frames;
+    const Setup setup = make_setup(sequence, configuration);
+    const auto make = [=, this] {
+      auto window = std::make_unique<Window>(setup, configuration.model, configuration.window);
+      window_ = window.get();
+      return window;
+    };
+    loop_ = std::make_unique<FrameLoop>(setup, configuration.model, make);
+    for (const Frame& frame : sequence.frames) loop_->process(frame, stages_);
+  }
+
+  // Of those that a classifier has found static by this frame.
+  std::map<int, MotionBelief> held_since(int frame) {
+    std::vector<int> tracks;
+    for (const auto& [track, record] : loop_->records()) {
+      const bool is_old = record.decision_frame && *record.decision_frame <= frame;
+      if (record.label == Label::kStatic && is_old) tracks.push_back(track);
+    }
+    std::vector<MotionBelief> motions;
+    window_->held_motions(tracks, loop_->records(), motions);
+    std::map<int, MotionBelief> result;
+    for (const MotionBelief& motion : motions) result[motion.track] = motion;
+    return result;
+  }
+
+ private:
+  Window* window_ = nullptr;
+  std::unique_ptr<FrameLoop> loop_;
+  NoStages stages_;
+};
+
+TEST(HeldInTheWindow, IsKnownAsWellAsIfNothingHadLeftIt) {
+  constexpr int kEnd = 40, kShort = 8;
+  const Sequence sequence = simulate("circle", {{"frames", std::to_string(kEnd)}}, 3);
+  WindowOf whole(sequence, kEnd), window(sequence, kShort);
+  int compared = 0;
+  const auto expected = whole.held_since(kEnd - 2 * kShort);
+  for (const auto& [track, motion] : window.held_since(kEnd - 2 * kShort)) {
+    if (!expected.contains(track)) continue;
+    const MotionBelief& all = expected.at(track);
+    const Eigen::LLT<Eigen::MatrixXd> P(all.covariance);
+    const Eigen::VectorXd difference = P.matrixL().solve(Eigen::VectorXd(motion.w - all.w));
+    EXPECT_LT(difference.norm(), 0.5) << track;  // [sigma]
+    const double ratio = std::cbrt(motion.covariance.determinant() / all.covariance.determinant());
+    EXPECT_NEAR(ratio, 1.0, 0.1) << track;
+    ++compared;
+  }
+  EXPECT_GE(compared, 5);
+}
+
+}  // namespace
+}  // namespace slammot
