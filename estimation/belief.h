@@ -73,8 +73,7 @@ class Belief {
   // What the motion of static landmarks that update() used would be, were it not held at rest; of
   // those whose motion is still remembered (LabelOptions::memory), the others being as they are
   // labelled. Filled in as motions().
-  virtual void held_motions(std::span<const int> /*tracks*/, const TrackRecords& /*records*/,
-                            std::vector<MotionBelief>& result) {
+  virtual void held_motions(std::span<const int> /*tracks*/, std::vector<MotionBelief>& result) {
     result.clear();
   }
 

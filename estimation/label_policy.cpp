@@ -12,7 +12,10 @@ bool reversible(const LabelOptions& options) { return options.rule == LabelRule:
 
 }  // namespace
 
-int motion_memory(const LabelOptions& options) { return reversible(options) ? options.memory : 0; }
+int motion_memory(const ModelOptions& models, const LandmarkFunctions& landmark) {
+  const bool is_known = models.collapse == Collapse::kCondition && landmark.motion == 3;
+  return is_known && landmark.can_move && reversible(models.labels) ? models.labels.memory : 0;
+}
 
 bool watches_innovations(const LabelOptions& options) { return reversible(options); }
 

@@ -9,6 +9,7 @@
 #include "estimation/options.h"
 #include "estimation/track_policy.h"
 #include "models/camera.h"
+#include "models/landmarks/landmark_models.h"
 
 namespace slammot {
 
@@ -18,8 +19,9 @@ bool is_asked(const TrackRecord& record, const LabelOptions& options);
 // The answer of the classifier. A moving landmark only ever hears that it is static.
 void note_answer(TrackRecord& record, Label answer, int frame);
 
-// Frames for which a belief remembers the motion of a landmark that has become static; 0: not.
-int motion_memory(const LabelOptions& options);
+// Frames for which a belief remembers the motion of a landmark that has become static; 0: not. Only
+// a motion that is a velocity, which prediction leaves as it is, and only when w = 0 was used.
+int motion_memory(const ModelOptions& models, const LandmarkFunctions& landmark);
 
 // Whether anything is made of note_innovation().
 bool watches_innovations(const LabelOptions& options);

@@ -14,9 +14,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       condition_(models.collapse == Collapse::kCondition),
       gate_threshold_(pixel_threshold(models.gate.probability)),
       functions_(find_landmark(models.landmark, models.point)),
-      memory_(condition_ && !options.delayed && functions_.motion == 3
-                  ? motion_memory(models.labels)
-                  : 0),
+      memory_(options.delayed ? 0 : motion_memory(models, functions_)),
       linearisation_(options.linearisation, functions_, setup.truth) {
   if (options.deferred && options.linearisation == FilterLinearisation::kInvariant) {
     throw std::invalid_argument(

@@ -23,8 +23,7 @@ class Ekf final : public Belief {
   void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override;
   void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override;
   void collapse(std::span<const int> tracks) override;
-  void held_motions(std::span<const int> tracks, const TrackRecords& records,
-                    std::vector<MotionBelief>& result) override;
+  void held_motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override;
   void free(int track, const LandmarkPrior& prior) override;
   void release(int track, const LandmarkPrior& prior) override;
   void remove(std::span<const int> tracks, const TrackRecords& records) override;

@@ -35,8 +35,7 @@ void Ekf::forget_motions() {
   }
 }
 
-void Ekf::held_motions(std::span<const int> tracks, const TrackRecords& /*records*/,
-                       std::vector<MotionBelief>& result) {
+void Ekf::held_motions(std::span<const int> tracks, std::vector<MotionBelief>& result) {
   result.clear();
   for (const int track : tracks) {
     const FilterLandmark& landmark = state_.landmarks.at(track);

@@ -107,7 +107,7 @@ void LandmarkManager::revert_labels(std::span<const Observation> measured, Belie
     const TrackRecord& record = records_.at(z.track);
     if (record.label == Label::kStatic && !first_.holds(record)) tracks_.push_back(z.track);
   }
-  belief.held_motions(tracks_, records_, motions_);
+  belief.held_motions(tracks_, motions_);
   for (const int track : tracks_) {
     TrackRecord& record = records_.at(track);
     const bool is_remembered =
@@ -119,17 +119,17 @@ void LandmarkManager::revert_labels(std::span<const Observation> measured, Belie
   release_what_moved(belief);
 }
 
-// What is static by an earlier answer of the classifier, and remembered, is asked again: were its
-// motion not held at rest, would it be moving? A rejected label needs no such answer. Only the
-// surest in a frame: what bends the map makes others look moving, too.
+// What is static and remembered: were its motion not held at rest, would the classifier say moving,
+// or do its innovations reject the label? Only the surest in a frame: what bends the map makes
+// others look moving, too.
 void LandmarkManager::release_what_moved(Belief& belief) {
   double surest = 0.0;
   TrackRecord* released = nullptr;
   for (MotionBelief& motion : motions_) {
     TrackRecord& record = records_.at(motion.track);
     const double distance = mahalanobis_from_zero(motion.w, motion.covariance);
-    const bool moves = answer(motion, record) == Label::kMoving;
-    if (!(moves || is_rejected(record, models_.labels)) || distance <= surest) continue;
+    if (released != nullptr && distance <= surest) continue;
+    if (!is_rejected(record, models_.labels) && answer(motion, record) != Label::kMoving) continue;
     surest = distance;
     released = &record;
   }

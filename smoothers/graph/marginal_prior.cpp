@@ -208,6 +208,9 @@ void MarginalPrior::condition_on_zero(VariableId id) {
   for (int& start : starts_) {
     if (start > offset) start = std::max(offset, start - dim);
   }
+  for (Run& run : runs_) {  // a held variable has none
+    if (run.offset > offset) run.offset -= dim;
+  }
   for (auto later = blocks_.erase(k); later != blocks_.end(); ++later) later->offset -= dim;
 }
 

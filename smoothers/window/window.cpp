@@ -29,7 +29,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       options_(options),
       condition_(models.collapse == Collapse::kCondition),
       functions_(find_landmark(models.landmark, models.point)),
-      memory_(condition_ && functions_.motion == 3 ? motion_memory(models.labels) : 0),
+      memory_(motion_memory(models, functions_)),
       loss_(make_loss(options.loss)),
       graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get()},
              fixed_points(options.linearisation)),
@@ -86,7 +86,8 @@ void Window::add_known(const KnownLandmark& known) {
   const VariableId anchor = cameras_.newest().camera.position;
   const Eigen::Vector3d y =
       initialise_known(functions_.point, known, graph_.variables[anchor].value).y;
-  const WindowLandmark& landmark = insert(known.track, anchor, y);
+  WindowLandmark& landmark = insert(known.track, anchor, y);
+  landmark.is_entering = true;
   if (histories_) histories_->begin(known.track, cameras_.newest().number, true);
   GraphLandmark& l = graph_[landmark.id];
   l.birth.kind = BirthPrior::Kind::kKnown;
@@ -114,6 +115,7 @@ void Window::update(const TrackRecords& /*records*/, std::span<const Observation
   }
   refresh_noises();
   solve();
+  for (auto& [track, landmark] : landmarks_) landmark.is_entering = false;
   if (options_.retest) {
     note_refused(accepted);
     if (retest()) solve();

@@ -41,8 +41,7 @@ class Window final : public Belief {
   void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override;
   void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override;
   void collapse(std::span<const int> tracks) override;
-  void held_motions(std::span<const int> tracks, const TrackRecords& records,
-                    std::vector<MotionBelief>& result) override;
+  void held_motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override;
   void free(int track, const LandmarkPrior& prior) override;
   void release(int track, const LandmarkPrior& prior) override;
   void remove(std::span<const int> tracks, const TrackRecords& records) override;
@@ -83,6 +82,7 @@ class Window final : public Belief {
   // window_held.cpp: static landmarks that may have moved.
   void forget_motions();
   void motion_rows(const WindowLandmark& landmark, GrowingMatrix& A) const;
+  const WindowFrame& base_of_release(const WindowLandmark& landmark) const;
   void move_to_base(const WindowLandmark& landmark, const WindowFrame& base);
   void move_since(WindowLandmark& landmark, const WindowFrame& base);
 

@@ -39,8 +39,7 @@ void Window::motion_rows(const WindowLandmark& landmark, GrowingMatrix& A) const
   }
 }
 
-void Window::held_motions(std::span<const int> tracks, const TrackRecords& /*records*/,
-                          std::vector<MotionBelief>& result) {
+void Window::held_motions(std::span<const int> tracks, std::vector<MotionBelief>& result) {
   result.clear();
   if (memory_ == 0 || tracks.empty()) return;
   const NormalEquations& equations = optimiser_.equations();
@@ -89,7 +88,7 @@ void Window::held_motions(std::span<const int> tracks, const TrackRecords& /*rec
 // solved once more. What was refused of it before its base is not of that point.
 void Window::release(int track, const LandmarkPrior& /*prior*/) {
   WindowLandmark& landmark = landmarks_.at(track);
-  const WindowFrame& base = *cameras_.find(graph_[landmark.id].pixels.front().position);
+  const WindowFrame& base = base_of_release(landmark);
   if (histories_) histories_->rested_until(track, base.number, at_rest(landmark));
   landmark.is_free = true;
   landmark.rests_since.reset();
@@ -103,6 +102,13 @@ void Window::release(int track, const LandmarkPrior& /*prior*/) {
   graph_.prior().relinearise();
   optimiser_.take_step(graph_, cameras_.newest().camera);
   estimate_camera();
+}
+
+// Where its pixels in the window begin, but not before the time of y: it was at rest then.
+const WindowFrame& Window::base_of_release(const WindowLandmark& landmark) const {
+  auto frame = cameras_.find(graph_[landmark.id].pixels.front().position);
+  while (frame->timestamp < landmark.rest_time) ++frame;
+  return *frame;
 }
 
 // From the time of y, where it may have left the window, to this frame: a step without noise.
@@ -119,6 +125,7 @@ void Window::move_to_base(const WindowLandmark& landmark, const WindowFrame& bas
   Departure& d = leaving_.departures.emplace_back();
   d.landmark = landmark.id;
   d.steps = 1;
+  d.absorbs_prior_of_w = true;
   marginaliser_(graph_, leaving_);
 }
 
@@ -133,7 +140,7 @@ void Window::move_since(WindowLandmark& landmark, const WindowFrame& base) {
   }
   GraphLandmark& l = graph_[landmark.id];
   for (GraphPixel& pixel : l.pixels) {
-    pixel.depth = cameras_.find(pixel.position)->number - base.number;
+    pixel.depth = std::max(0, cameras_.find(pixel.position)->number - base.number);
   }
   graph_.linearise(l);
 }

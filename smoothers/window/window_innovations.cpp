@@ -35,7 +35,7 @@ std::optional<Window::Expected> Window::expected(const Observation& z) const {
   result.landmark = landmark.id;
   result.nu = z.pixel - h->pixel;
   result.J_pose = at.J_pose;
-  if (l.anchor == cameras_.newest().camera.position) {
+  if (landmark.is_entering) {
     expect_new(l, at, result);
     return result;
   }

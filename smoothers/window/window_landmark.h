@@ -11,6 +11,7 @@ struct WindowLandmark {
   int last_used = 0;    // Frame::index of its newest accepted measurement
   VariableId base = 0;  // camera position of the frame where its chain begins
   bool is_free = false;
+  bool is_entering = false;        // known beforehand, and not in the equations yet
   std::optional<int> rests_since;  // WindowFrame::number, when a classifier found it static
   double rest_time = 0.0;          // of the frame that y is of, should its motion be held
   bool drops = false;              // it has become static: w is marginalised before the next update

@@ -5,13 +5,9 @@ namespace slammot {
 
 void Window::prepare(std::span<const int> tracks) const {
   ids_.clear();
-  const VariableId newest = cameras_.newest().camera.position;
   for (const int track : tracks) {
-    const LandmarkId id = landmarks_.at(track).id;
-    const GraphLandmark& l = graph_[id];
-    const bool is_new = l.birth.kind == BirthPrior::Kind::kKnown && l.anchor == newest &&
-                        l.pixels.empty();  // expect_new()
-    if (!is_new) ids_.push_back(id);
+    const WindowLandmark& landmark = landmarks_.at(track);
+    if (!landmark.is_entering) ids_.push_back(landmark.id);  // else expect_new()
   }
   optimiser_.equations().prepare(graph_, ids_);
 }

@@ -78,14 +78,13 @@ class FakeBelief final : public Belief {
     call("collapse");
     for (const int track : tracks) state.at(track).is_free = false;
   }
-  void held_motions(std::span<const int> tracks, const TrackRecords&,
-                    std::vector<MotionBelief>& result) override {
+  void held_motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override {
     result.clear();
     for (const int track : tracks) {
       if (!remembered.contains(track)) continue;
       MotionBelief& motion = result.emplace_back();
       motion.track = track;
-      motion.w = 0.1 * Eigen::Vector3d::UnitX();
+      motion.w = 0.1 * track * Eigen::Vector3d::UnitX();
       motion.covariance = Eigen::Matrix3d::Identity();
     }
   }
@@ -313,6 +312,20 @@ TEST_F(FrameLoopOf, UndoesWhatIsRememberedOfARejectedLabel) {
   EXPECT_EQ(label(2), Label::kUnknown);
   EXPECT_EQ(std::ranges::count(calls_, "release"), 1);
   EXPECT_EQ(std::ranges::count(calls_, "free"), 1);
+}
+
+TEST_F(FrameLoopOf, UndoesTheSurestOfAFrame) {
+  start({});
+  frame({1, 2, 3});
+  belief_->remembered = {1, 2, 3};
+  belief_->state.at(1).leave_one_out = belief_->state.at(2).leave_one_out = 30.0;
+  frame({1, 2, 3});
+  frame({1, 2, 3});
+  EXPECT_EQ(label(1), Label::kStatic);
+  EXPECT_EQ(label(2), Label::kUnknown);
+  EXPECT_EQ(label(3), Label::kStatic);  // not rejected
+  frame({1, 2, 3});
+  EXPECT_EQ(label(1), Label::kUnknown);
 }
 
 TEST_F(FrameLoopOf, StartsOverWithTheLabelsOfTheFirstFrame) {

@@ -5,30 +5,18 @@
 #include <set>
 
 #include "datasets/simulation/scenario.h"
-#include "estimation/loop/frame_loop.h"
-#include "eval/configuration/setup.h"
-#include "smoothers/window/window_belief.h"
+#include "tests/smoothers/fixture/looped_window.h"
 
 namespace slammot {
 namespace {
 
-struct WindowRun {
-  explicit WindowRun(const Sequence& sequence, const std::vector<std::string>& settings) {
-    Configuration configuration;
-    assign(configuration, {"window.prior", "cameras"});
-    assign(configuration, {"window.frames", "10"});
-    for (const std::string& text : settings) assign(configuration, parse_assignment(text));
-    const Setup setup = make_setup(sequence, configuration);
-    const auto make = [=, this] {
-      auto owned = std::make_unique<Window>(setup, configuration.model, configuration.window);
-      window = owned.get();
-      return owned;
-    };
-    loop = std::make_unique<FrameLoop>(setup, configuration.model, make);
-  }
-  const Window* window = nullptr;
-  std::unique_ptr<FrameLoop> loop;
-};
+Configuration of(const std::vector<std::string>& settings) {
+  Configuration configuration;
+  assign(configuration, {"window.prior", "cameras"});
+  assign(configuration, {"window.frames", "10"});
+  for (const std::string& text : settings) assign(configuration, parse_assignment(text));
+  return configuration;
+}
 
 std::set<VariableId> cameras_and_scene(const Graph& graph) {
   std::set<VariableId> ids;
@@ -45,12 +33,11 @@ class CameraPrior : public testing::TestWithParam<std::string> {};
 
 TEST_P(CameraPrior, HoldsNoLandmark) {
   const Sequence sequence = simulate("circle", {{"frames", "100"}}, 2);
-  WindowRun run(sequence, {GetParam()});
-  NoStages stages;
+  LoopedWindow run(sequence, of({GetParam()}));
   std::size_t held = 0, reborn = 0;
   std::set<int> seen;
   for (const Frame& frame : sequence.frames) {
-    const FrameReport report = run.loop->process(frame, stages);
+    const FrameReport report = run.process(frame);
     for (const LandmarkEstimate& l : report.retired) seen.insert(l.track);
     for (const auto& [track, record] : run.loop->records()) {
       reborn += record.first_frame == frame.index && seen.contains(track);
@@ -80,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(With, CameraPrior,
 
 TEST(CameraPriors, DropWouldKeepLandmarks) {
   const Sequence sequence = simulate("circle", {{"frames", "2"}}, 1);
-  EXPECT_THROW(WindowRun(sequence, {"collapse=drop"}), std::invalid_argument);
+  EXPECT_THROW(LoopedWindow(sequence, of({"collapse=drop"})), std::invalid_argument);
 }
 
 }  // namespace

@@ -4,46 +4,39 @@
 #include <Eigen/Cholesky>
 
 #include "datasets/simulation/scenario.h"
-#include "estimation/loop/frame_loop.h"
-#include "eval/configuration/setup.h"
-#include "smoothers/window/window_belief.h"
+#include "tests/smoothers/fixture/looped_window.h"
 
 namespace slammot {
 namespace {
 
 class WindowOf {
  public:
-  explicit WindowOf(const Sequence& sequence, int frames) {
-    Configuration configuration;
-    configuration.window.frames = frames;
-    const Setup setup = make_setup(sequence, configuration);
-    const auto make = [=, this] {
-      auto window = std::make_unique<Window>(setup, configuration.model, configuration.window);
-      window_ = window.get();
-      return window;
-    };
-    loop_ = std::make_unique<FrameLoop>(setup, configuration.model, make);
-    for (const Frame& frame : sequence.frames) loop_->process(frame, stages_);
+  WindowOf(const Sequence& sequence, int frames) : run_(sequence, of(frames)) {
+    for (const Frame& frame : sequence.frames) run_.process(frame);
   }
 
   // Of those that a classifier has found static by this frame.
   std::map<int, MotionBelief> held_since(int frame) {
     std::vector<int> tracks;
-    for (const auto& [track, record] : loop_->records()) {
+    for (const auto& [track, record] : run_.loop->records()) {
       const bool is_old = record.decision_frame && *record.decision_frame <= frame;
       if (record.label == Label::kStatic && is_old) tracks.push_back(track);
     }
     std::vector<MotionBelief> motions;
-    window_->held_motions(tracks, loop_->records(), motions);
+    run_.window->held_motions(tracks, motions);
     std::map<int, MotionBelief> result;
     for (const MotionBelief& motion : motions) result[motion.track] = motion;
     return result;
   }
 
  private:
-  Window* window_ = nullptr;
-  std::unique_ptr<FrameLoop> loop_;
-  NoStages stages_;
+  static Configuration of(int frames) {
+    Configuration configuration;
+    configuration.window.frames = frames;
+    return configuration;
+  }
+
+  LoopedWindow run_;
 };
 
 TEST(HeldInTheWindow, IsKnownAsWellAsIfNothingHadLeftIt) {

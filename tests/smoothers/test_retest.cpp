@@ -3,50 +3,43 @@
 #include <gtest/gtest.h>
 
 #include "datasets/simulation/scenario.h"
-#include "estimation/loop/frame_loop.h"
-#include "eval/configuration/setup.h"
 #include "eval/run/run.h"
-#include "smoothers/window/window_belief.h"
+#include "tests/smoothers/fixture/looped_window.h"
 
 namespace slammot {
 namespace {
 
 class WindowRun {
  public:
-  WindowRun(const Sequence& sequence, bool retest, double gate_probability = 0.95) {
-    Configuration configuration;
-    configuration.window.frames = 10;
-    configuration.window.retest = retest;
-    configuration.model.gate = {gate_probability, 1.0};
-    const Setup setup = make_setup(sequence, configuration);
-    const auto make = [=, this] {
-      auto window = std::make_unique<Window>(setup, configuration.model, configuration.window);
-      window_ = window.get();
-      return window;
-    };
-    loop_ = std::make_unique<FrameLoop>(setup, configuration.model, make);
-  }
+  WindowRun(const Sequence& sequence, bool retest, double gate_probability = 0.95)
+      : run_(sequence, configuration(retest, gate_probability)) {}
 
-  void process(const Frame& frame) { loop_->process(frame, stages_); }
+  void process(const Frame& frame) { run_.process(frame); }
   void process_until(const Sequence& sequence, std::size_t end) {
     for (; next_ < end; ++next_) process(sequence.frames[next_]);
   }
-  bool knows(int track) const { return loop_->records().contains(track); }
+  bool knows(int track) const { return run_.loop->records().contains(track); }
   bool uses(const Observation& z) const {
-    for (const GraphLandmark& l : window_->graph().landmarks) {
+    for (const GraphLandmark& l : run_.window->graph().landmarks) {
       for (const GraphPixel& pixel : l.pixels) {
         if (l.is_alive && pixel.z.pixel == z.pixel) return true;
       }
     }
     return false;
   }
-  CameraEstimate camera() const { return loop_->camera(); }
-  RetestCounts counts() const { return window_->retest_counts(); }
+  CameraEstimate camera() const { return run_.loop->camera(); }
+  RetestCounts counts() const { return run_.window->retest_counts(); }
 
  private:
-  const Window* window_ = nullptr;
-  std::unique_ptr<FrameLoop> loop_;
-  NoStages stages_;
+  static Configuration configuration(bool retest, double gate_probability) {
+    Configuration result;
+    result.window.frames = 10;
+    result.window.retest = retest;
+    result.model.gate = {gate_probability, 1.0};
+    return result;
+  }
+
+  LoopedWindow run_;
   std::size_t next_ = 0;
 };
 
