@@ -138,16 +138,21 @@ void MarginalPrior::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::Vect
   }
 }
 
-void MarginalPrior::add_held(VariableId id, Eigen::Ref<Eigen::MatrixXd> information,
-                             Eigen::Ref<Eigen::MatrixXd> E,
+void MarginalPrior::add_held(VariableId id, const Eigen::VectorXd& residual,
+                             Eigen::Ref<Eigen::MatrixXd> information, Eigen::Ref<Eigen::MatrixXd> E,
                              Eigen::Ref<Eigen::VectorXd> gradient) const {
   const Block* block = find(id);
   if (!block) return;
-  const auto R = *R_;
-  const auto C = R.middleCols(block->offset, block->dim());
-  const Eigen::MatrixXd K = C.transpose() * R;
-  information += K.middleCols(block->offset, block->dim());
-  gradient += C.transpose() * residual();
+  compute_gram();
+  const auto gram = *gram_;
+  const int offset = block->offset, dim = block->dim(), after = cols_ - offset - dim;
+  Eigen::MatrixXd K(dim, cols_);
+  K.leftCols(offset) = gram.block(offset, 0, dim, offset);
+  K.middleCols(offset, dim) =
+      gram.block(offset, offset, dim, dim).selfadjointView<Eigen::Lower>().toDenseMatrix();
+  K.rightCols(after) = gram.block(offset + dim, offset, after, dim).transpose();
+  information += K.middleCols(offset, dim);
+  gradient += (*R_).middleCols(offset, dim).transpose() * residual;
   add_transposed(K, E);
 }
 

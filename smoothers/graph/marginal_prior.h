@@ -60,8 +60,9 @@ class MarginalPrior {
 
   // Of a held variable, C being its columns of R: `information` += C'C, E += (C'R T)' as
   // add_transposed(), `gradient` += C'residual. Nothing when the prior does not touch it.
-  void add_held(VariableId id, Eigen::Ref<Eigen::MatrixXd> information,
-                Eigen::Ref<Eigen::MatrixXd> E, Eigen::Ref<Eigen::VectorXd> gradient) const;
+  void add_held(VariableId id, const Eigen::VectorXd& residual,
+                Eigen::Ref<Eigen::MatrixXd> information, Eigen::Ref<Eigen::MatrixXd> E,
+                Eigen::Ref<Eigen::VectorXd> gradient) const;
 
   // E += (K T)' where Variable::core says; K has the columns of R. T is that of the last add_to().
   void add_transposed(const Eigen::MatrixXd& K, Eigen::Ref<Eigen::MatrixXd> E) const;

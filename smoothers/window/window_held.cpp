@@ -44,6 +44,7 @@ void Window::held_motions(std::span<const int> tracks, std::vector<MotionBelief>
   if (memory_ == 0 || tracks.empty()) return;
   const NormalEquations& equations = optimiser_.equations();
   const MarginalPrior& prior = graph_.prior().active;
+  const Eigen::VectorXd& prior_residual = prior.residual();
   const Eigen::Index n = functions_.motion;
   motion_columns_.resize(equations.core_dim(), n * std::ssize(tracks));
   for (const int track : tracks) {
@@ -59,7 +60,7 @@ void Window::held_motions(std::span<const int> tracks, std::vector<MotionBelief>
       gradient += (*motion_rows_).middleRows<2>(2 * i).transpose() *
                   l.pixels[static_cast<std::size_t>(i)].at.r;
     }
-    prior.add_held(l.held->w, own, columns, gradient);
+    prior.add_held(l.held->w, prior_residual, own, columns, gradient);
     if (l.held->sigmas.size() > 0) own.diagonal() += l.held->sigmas.cwiseAbs2().cwiseInverse();
     MotionBelief& motion = result.emplace_back();
     motion.track = track;
