@@ -78,7 +78,8 @@ void add(const Extras& extras) {
   own_numbers().insert(extras.numbers.begin(), extras.numbers.end());
   add_landmarks(extras.landmarks);
   add_classifiers(extras.classifiers);
-  add_estimators({&kFivePointRow, 1});
+  const EstimatorRow five_point = five_point_row();
+  add_estimators({&five_point, 1});
   add_estimators(extras.estimators);
   add_readers(extras.readers);
   add_scenarios(extras.scenarios);

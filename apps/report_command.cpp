@@ -43,7 +43,7 @@ int report_again(const Path& folder) {
 std::string with_interval(const Json& estimate, int decimals) {
   if (!estimate.is_object()) return "-";
   const auto part = [&](const char* key) { return estimate.at(key).get<double>(); };
-  const std::string value = fmt::format("{:.{}f}", part("value"), decimals);
+  std::string value = fmt::format("{:.{}f}", part("value"), decimals);
   if (std::isnan(part("lower"))) return value;
   return fmt::format("{} [{:.{}f}, {:.{}f}]", value, part("lower"), decimals, part("upper"),
                      decimals);

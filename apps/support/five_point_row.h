@@ -6,13 +6,14 @@
 
 namespace slammot {
 
-inline const EstimatorRow kFivePointRow{
-    "five_point",
-    "visual odometry of pairs of images: the baseline",
-    EstimatorKind::kFilter,
-    false,
-    [](Configuration&) {},
-    [](const Setup& setup, const Configuration&) { return make_five_point(setup); },
-    false};
+inline EstimatorRow five_point_row() {
+  return {"five_point",
+          "visual odometry of pairs of images: the baseline",
+          EstimatorKind::kFilter,
+          false,
+          [](Configuration&) {},
+          [](const Setup& setup, const Configuration&) { return make_five_point(setup); },
+          false};
+}
 
 }  // namespace slammot

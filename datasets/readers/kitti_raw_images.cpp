@@ -32,8 +32,7 @@ std::optional<Path> calibration_file(const Path& folder, const char* name) {
 
 Eigen::Matrix3d rotation(const Path& file, const std::string& key) {
   const auto rows = required_calibration(file, key, 9);
-  const Eigen::Matrix3d R =
-      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
+  Eigen::Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
   if (!is_rotation(R)) throw InputError(file, 0, key + ": not a rotation");
   return R;
 }

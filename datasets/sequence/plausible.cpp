@@ -58,7 +58,7 @@ Fault order_fault(double before, double time) {
 }
 
 Fault step_fault(double before, double time) {
-  if (const Fault fault = order_fault(before, time)) return fault;
+  if (Fault fault = order_fault(before, time)) return fault;
   const double unit = std::nextafter(std::abs(time), INFINITY) - std::abs(time);
   if (time - before < std::max(kShortestStep, kSteps * unit)) {
     return fmt::format("timestamp {} follows {} too closely for its digits", time, before);

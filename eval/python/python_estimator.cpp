@@ -46,7 +46,7 @@ class Script {
 
  private:
   Json answer(const std::string& line) const {
-    const Json json = Json::parse(line, nullptr, false);
+    Json json = Json::parse(line, nullptr, false);
     if (!json.is_object()) throw ScriptError(file_ + ": answered no JSON object");
     if (json.contains("diverged")) throw Diverged(json["diverged"].get<std::string>());
     if (json.contains("error")) throw ScriptError(json["error"].get<std::string>());

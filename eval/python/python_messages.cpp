@@ -27,10 +27,9 @@ Eigen::Matrix<double, kSize, kSize> square_from(const Json& json) {
   Eigen::Matrix<double, kSize, kSize> matrix;
   matrix.setConstant(kUndefined);
   if (json.is_null()) return matrix;
+  std::size_t next = 0;  // row by row
   for (int i = 0; i < kSize; ++i) {
-    for (int j = 0; j < kSize; ++j) {
-      matrix(i, j) = number_from(json.at(static_cast<std::size_t>(i * kSize + j)));
-    }
+    for (int j = 0; j < kSize; ++j) matrix(i, j) = number_from(json.at(next++));
   }
   return matrix;
 }

@@ -44,7 +44,9 @@ std::string configuration_sha256(const Study& study) {
 std::string recordings_sha256(const Study& study) {
   if (study.recordings.empty()) return "";
   Sha256 hash;
-  for (const auto& [folder, sha256] : study.recordings) hash.add(folder + ' ' + sha256 + '\n');
+  for (const auto& [folder, sha256] : study.recordings) {
+    hash.add(fmt::format("{} {}\n", folder, sha256));
+  }
   return hash.hex();
 }
 

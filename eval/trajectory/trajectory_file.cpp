@@ -61,7 +61,7 @@ CameraEstimate kitti_pose(const TextTable& row) {
   Eigen::Matrix3d R;
   CameraEstimate camera = unknown_covariance();
   for (int i = 0; i < 3; ++i) {
-    const auto first = static_cast<size_t>(4 * i);
+    const auto first = 4 * static_cast<std::size_t>(i);
     R.row(i) = vector_at(row, first).transpose();
     camera.state.position(i) = row.real(first + 3);
   }

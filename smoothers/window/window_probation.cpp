@@ -79,8 +79,7 @@ void Window::find_refused(std::span<const Candidate> candidates, std::vector<int
     if (!(nis[i] <= gate_threshold_)) refused.push_back(tested[i]);
   }
   std::ranges::sort(refused);
-  const auto last = std::ranges::unique(refused);
-  refused.erase(last.begin(), last.end());
+  refused.erase(std::unique(refused.begin(), refused.end()), refused.end());
 }
 
 void Window::begin_history(const Candidate& candidate) {

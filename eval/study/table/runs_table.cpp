@@ -56,7 +56,7 @@ void add_metrics(const Study& study, std::vector<Column>& columns) {
       columns.push_back({key, [=](const Run& r) { return field_of(member(r.result, key)); }});
     } else {
       for (const std::string of : {"filtered", "smoothed"}) {
-        columns.push_back({of + "_" + key, [=](const Run& r) {
+        columns.push_back({fmt::format("{}_{}", of, key), [=](const Run& r) {
                              return field_of(member(member(r.result, of), key));
                            }});
       }
