@@ -11,7 +11,7 @@
 #include "eval/compare/report_runs.h"
 #include "eval/output/metrics_table.h"
 #include "eval/report/report_generator.h"
-#include "eval/study/study_summary.h"
+#include "eval/study/summary/study_summary.h"
 
 namespace slammot {
 namespace {

@@ -11,8 +11,8 @@
 #include "datasets/output/output_files.h"
 #include "eval/report/report_generator.h"
 #include "eval/study/study_driver.h"
-#include "eval/study/study_summary.h"
 #include "eval/study/study_view.h"
+#include "eval/study/summary/study_summary.h"
 #include "eval/study/table/runs_table.h"
 
 namespace slammot {

@@ -20,10 +20,7 @@ void Ekf::predict_landmark(int track, FilterLandmark& landmark, Label label, dou
 // What is remembered of a static landmark's motion: with w it would have moved.
 void Ekf::predict_held(int track, const FilterLandmark& landmark, double dt) {
   const Eigen::Vector3d y = linearisation_.landmark(state_, track).head<3>();
-  const LandmarkVector at_rest = landmark_state(y, MotionVector::Zero(functions_.motion));
-  const LandmarkMatrix F = functions_.predict_jacobian(at_rest, dt);
-  state_.covariance.add(landmark.y_block, landmark.held_block,
-                        F.topRightCorner(3, functions_.motion));
+  state_.covariance.add(landmark.y_block, landmark.held_block, moved_from_rest(functions_, y, dt));
 }
 
 // Of what is static for long enough, or out of view.

@@ -8,28 +8,12 @@
 #include "datasets/text/text_table.h"
 #include "datasets/text/yaml_map.h"
 #include "eval/configuration/registry.h"
+#include "eval/study/study_cross.h"
 #include "eval/study/study_figures.h"
 #include "eval/study/study_sequence.h"
 
 namespace slammot {
 namespace {
-
-using Settings = std::vector<std::pair<std::string, std::string>>;
-
-struct NamedSettings {
-  std::string label;
-  std::string name;  // of the scenario or the estimator; folder of a recorded sequence
-  bool recorded = false;
-  Settings settings;
-};
-
-struct SweptKey {
-  std::string key;
-  std::vector<std::string> values;
-};
-
-// `scenario.KEY` is a parameter of the scenario, any other key one of the configuration.
-constexpr std::string_view kScenarioPrefix = "scenario.";
 
 class Reader {
  public:
@@ -61,7 +45,11 @@ class Reader {
     read_reference(top, study);
     read_latex(top, study);
     top.finish();
-    cross(scenarios, sweep, estimators, all, study);
+    try {
+      study.cells = cross(scenarios, sweep, estimators, all);
+    } catch (const std::invalid_argument& error) {
+      throw InputError(file_, 0, error.what());
+    }
     return study;
   }
 
@@ -188,68 +176,6 @@ class Reader {
     }
     if (map.has("caption")) latex.caption = map.text("caption");
     map.finish();
-  }
-
-  // All combinations of the swept values, the last key fastest.
-  std::vector<Settings> combinations(const std::vector<SweptKey>& sweep) const {
-    constexpr std::size_t kMost = 100000;
-    std::vector<Settings> result{{}};
-    for (const SweptKey& key : sweep) {
-      if (result.size() > kMost / key.values.size()) {
-        throw InputError(file_, 0, fmt::format("'sweep' has more than {} combinations", kMost));
-      }
-      std::vector<Settings> longer;
-      for (const Settings& so_far : result) {
-        for (const std::string& value : key.values) {
-          longer.push_back(so_far);
-          longer.back().emplace_back(key.key, value);
-        }
-      }
-      result = std::move(longer);
-    }
-    return result;
-  }
-
-  void cross(const std::vector<NamedSettings>& scenarios, const std::vector<SweptKey>& sweep,
-             const std::vector<NamedSettings>& estimators, const Settings& all, Study& study) {
-    for (const NamedSettings& scenario : scenarios) {
-      for (const Settings& values : combinations(sweep)) {
-        for (const NamedSettings& estimator : estimators) {
-          try {
-            study.cells.push_back(cell(scenario, values, estimator, all));
-          } catch (const std::invalid_argument& error) {
-            throw InputError(file_, 0, error.what());
-          }
-        }
-      }
-    }
-  }
-
-  static StudyCell cell(const NamedSettings& scenario, const Settings& values,
-                        const NamedSettings& estimator, const Settings& all) {
-    StudyCell cell;
-    cell.group = scenario.label;
-    cell.label = estimator.label;
-    if (scenario.recorded) {
-      cell.sequence = scenario.name;
-    } else {
-      cell.scenario = scenario.name;
-    }
-    cell.estimator = estimator.name;
-    cell.sweep = values;
-    find_estimator(cell.estimator);
-    for (const auto& [key, value] : scenario.settings) cell.scene[key] = value;
-    for (const auto& [key, value] : all) assign(cell.configuration, {key, value});
-    for (const auto& [key, value] : values) {
-      cell.group += fmt::format(", {} = {}", key, value);
-      if (key.starts_with(kScenarioPrefix)) {
-        cell.scene[key.substr(kScenarioPrefix.size())] = value;
-      } else {
-        assign(cell.configuration, {key, value});
-      }
-    }
-    for (const auto& [key, value] : estimator.settings) assign(cell.configuration, {key, value});
-    return cell;
   }
 
   std::filesystem::path file_;

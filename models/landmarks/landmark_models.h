@@ -33,6 +33,13 @@ struct LandmarkFunctions {
   VelocityJacobian (*velocity_jacobian)(const LandmarkVector& x);
 };
 
+// F_yw: of a landmark that rests at y, dy/dw had it moved with w for dt. 3 x motion.
+inline BoundedMatrix<3, Eigen::Dynamic, 3, kMaxMotion> moved_from_rest(
+    const LandmarkFunctions& landmark, const Eigen::Vector3d& y, double dt) {
+  const LandmarkVector at_rest = landmark_state(y, MotionVector::Zero(landmark.motion));
+  return landmark.predict_jacobian(at_rest, dt).topRightCorner(3, landmark.motion);
+}
+
 // The row of a model.
 template <LandmarkModel M>
 constexpr LandmarkFunctions landmark_row() {

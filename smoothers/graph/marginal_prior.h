@@ -41,7 +41,7 @@ class MarginalPrior {
   // The result is overwritten by the next call of any function here.
   const Eigen::VectorXd& difference(Field b = &Variable::value) const;
 
-  // R (b [-] b0) + r, overwritten likewise, and its square.
+  // R (b [-] b0) + r, overwritten by the next residual(), square() or add_to(), and its square.
   const Eigen::VectorXd& residual(Field b = &Variable::value) const;
   double square(Field b = &Variable::value) const;
 

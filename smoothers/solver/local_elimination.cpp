@@ -105,17 +105,6 @@ void LocalElimination::fill_on_state(Eigen::Index row, Eigen::Index rows, int de
   if (w_column_ >= 0) A.block(row, w_column_, rows, dim_ - 3) = coefficient.rightCols(dim_ - 3);
 }
 
-// With w the landmark would have been at y + F_yw w.
-void LocalElimination::fill_on_held(const Graph& graph, const GraphPixel& pixel, Eigen::Index row,
-                                    const GraphLandmark& l) {
-  const LandmarkFunctions& model = *graph.models().landmark;
-  const LandmarkVector at_rest =
-      landmark_state(graph.variables[l.y].value, MotionVector::Zero(model.motion));
-  const LandmarkMatrix F = model.predict_jacobian(at_rest, departure_.since_rest);
-  (*A_).block(row, held_column_, 2, model.motion) =
-      pixel.at.J_y * F.topRightCorner(3, model.motion);
-}
-
 void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, VariableId oldest) {
   auto A = *A_;
   auto residual = A.col(A.cols() - 1);
@@ -132,7 +121,11 @@ void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, Variable
     LandmarkMatrix on_state = LandmarkMatrix::Zero(2, dim_);
     on_state.leftCols<3>() = pixel.at.J_y;
     fill_on_state(row, 2, pixel.depth, on_state, l);
-    if (l.held) fill_on_held(graph, pixel, row, l);
+    if (l.held) {
+      const Eigen::Vector3d y = graph.variables[l.y].value;
+      const auto F = moved_from_rest(*graph.models().landmark, y, departure_.since_rest);
+      A.block(row, held_column_, 2, F.cols()) = pixel.at.J_y * F;
+    }
     if (!pixel.z.here) {
       A.block<2, 3>(row, column(pixel.position)) = pixel.at.J_pose.leftCols<3>();
       A.block<2, 3>(row, column(l.anchor)) += pixel.at.J_anchor;
@@ -155,9 +148,10 @@ void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, Variable
     residual.segment(row, rows) = l.birth.r.head(rows);
     row += rows;
   }
-  if (l.held)
-    A.block(row, held_column_, l.held->sigmas.size(), l.held->sigmas.size()) =
-        l.held->sigmas.cwiseInverse().asDiagonal();
+  if (l.held) {
+    const Eigen::Index motion = l.held->sigmas.size();
+    A.block(row, held_column_, motion, motion) = l.held->sigmas.cwiseInverse().asDiagonal();
+  }
   if (!departure_.absorbs_prior_of_w || l.w_sigmas.size() == 0) return;
   const Eigen::Index motion = l.w_sigmas.size();
   LandmarkMatrix on_state = LandmarkMatrix::Zero(motion, dim_);

@@ -52,8 +52,6 @@ class LocalElimination {
   void fill(const Graph& graph, const GraphLandmark& landmark, VariableId oldest);
   void fill_on_state(Eigen::Index row, Eigen::Index rows, int depth, LandmarkMatrix coefficient,
                      const GraphLandmark& landmark);
-  void fill_on_held(const Graph& graph, const GraphPixel& pixel, Eigen::Index row,
-                    const GraphLandmark& landmark);
   void rotate_noises();
   void follow_chain(const Graph& graph, const GraphLandmark& landmark);
   bool takes(const GraphPixel& pixel, VariableId oldest) const {

@@ -28,14 +28,13 @@ void Window::forget_motions() {
 
 void Window::motion_rows(const WindowLandmark& landmark, GrowingMatrix& A) const {
   const GraphLandmark& l = graph_[landmark.id];
-  const int motion = functions_.motion;
-  const LandmarkVector at = at_rest(landmark);
-  A.resize(2 * std::ssize(l.pixels), motion);
+  const Eigen::Vector3d y = graph_.variables[l.y].value;
+  A.resize(2 * std::ssize(l.pixels), functions_.motion);
   for (Eigen::Index i = 0; i < std::ssize(l.pixels); ++i) {
     const GraphPixel& pixel = l.pixels[static_cast<std::size_t>(i)];
     const double dt = cameras_.find(pixel.position)->timestamp - landmark.rest_time;
-    const LandmarkMatrix F = functions_.predict_jacobian(at, std::max(0.0, dt));
-    (*A).middleRows<2>(2 * i).noalias() = pixel.at.J_y * F.topRightCorner(3, motion);
+    (*A).middleRows<2>(2 * i).noalias() =
+        pixel.at.J_y * moved_from_rest(functions_, y, std::max(0.0, dt));
   }
 }
 

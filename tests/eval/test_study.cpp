@@ -8,7 +8,7 @@
 #include "eval/statistics/bootstrap.h"
 #include "eval/statistics/statistics.h"
 #include "eval/study/study_driver.h"
-#include "eval/study/study_summary.h"
+#include "eval/study/summary/study_summary.h"
 #include "tests/paths.h"
 #include "tests/temporary_folder.h"
 

@@ -8,7 +8,7 @@
 #include "eval/report/report_generator.h"
 #include "eval/run/process.h"
 #include "eval/study/study_driver.h"
-#include "eval/study/study_summary.h"
+#include "eval/study/summary/study_summary.h"
 #include "examples/extension/path_ratio.h"
 #include "tests/temporary_folder.h"
 

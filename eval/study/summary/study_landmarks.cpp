@@ -1,4 +1,4 @@
-#include "eval/study/study_landmarks.h"
+#include "eval/study/summary/study_landmarks.h"
 
 #include "eval/pooling/estimate_json.h"
 #include "eval/statistics/statistics.h"

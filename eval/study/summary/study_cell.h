@@ -7,7 +7,7 @@
 #include "eval/pooling/frame_statistics.h"
 #include "eval/statistics/run_nees.h"
 #include "eval/study/study.h"
-#include "eval/study/study_landmarks.h"
+#include "eval/study/summary/study_landmarks.h"
 
 namespace slammot {
 

@@ -1,4 +1,4 @@
-#include "eval/study/study_summary.h"
+#include "eval/study/summary/study_summary.h"
 
 #include <cmath>
 #include <fstream>
@@ -7,8 +7,8 @@
 #include "eval/output/metrics_json.h"
 #include "eval/pooling/estimate_json.h"
 #include "eval/statistics/statistics.h"
-#include "eval/study/study_cell.h"
 #include "eval/study/study_sequence.h"
+#include "eval/study/summary/study_cell.h"
 
 namespace slammot {
 namespace {

@@ -1,4 +1,4 @@
-#include "eval/study/study_cell.h"
+#include "eval/study/summary/study_cell.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,75 @@
+#include "eval/study/study_cross.h"
+
+#include <fmt/format.h>
+
+#include "eval/configuration/registry.h"
+
+namespace slammot {
+namespace {
+
+constexpr std::string_view kScenarioPrefix = "scenario.";
+
+// All combinations of the swept values, the last key fastest.
+std::vector<Settings> combinations(const std::vector<SweptKey>& sweep) {
+  constexpr std::size_t kMost = 100000;
+  std::vector<Settings> result{{}};
+  for (const SweptKey& key : sweep) {
+    if (result.size() > kMost / key.values.size()) {
+      throw std::invalid_argument(fmt::format("'sweep' has more than {} combinations", kMost));
+    }
+    std::vector<Settings> longer;
+    for (const Settings& so_far : result) {
+      for (const std::string& value : key.values) {
+        longer.push_back(so_far);
+        longer.back().emplace_back(key.key, value);
+      }
+    }
+    result = std::move(longer);
+  }
+  return result;
+}
+
+StudyCell cell_of(const NamedSettings& scenario, const Settings& values,
+                  const NamedSettings& estimator, const Settings& all) {
+  StudyCell cell;
+  cell.group = scenario.label;
+  cell.label = estimator.label;
+  if (scenario.recorded) {
+    cell.sequence = scenario.name;
+  } else {
+    cell.scenario = scenario.name;
+  }
+  cell.estimator = estimator.name;
+  cell.sweep = values;
+  find_estimator(cell.estimator);
+  for (const auto& [key, value] : scenario.settings) cell.scene[key] = value;
+  for (const auto& [key, value] : all) assign(cell.configuration, {key, value});
+  for (const auto& [key, value] : values) {
+    cell.group += fmt::format(", {} = {}", key, value);
+    if (key.starts_with(kScenarioPrefix)) {
+      cell.scene[key.substr(kScenarioPrefix.size())] = value;
+    } else {
+      assign(cell.configuration, {key, value});
+    }
+  }
+  for (const auto& [key, value] : estimator.settings) assign(cell.configuration, {key, value});
+  return cell;
+}
+
+}  // namespace
+
+std::vector<StudyCell> cross(const std::vector<NamedSettings>& scenarios,
+                             const std::vector<SweptKey>& sweep,
+                             const std::vector<NamedSettings>& estimators, const Settings& all) {
+  std::vector<StudyCell> cells;
+  for (const NamedSettings& scenario : scenarios) {
+    for (const Settings& values : combinations(sweep)) {
+      for (const NamedSettings& estimator : estimators) {
+        cells.push_back(cell_of(scenario, values, estimator, all));
+      }
+    }
+  }
+  return cells;
+}
+
+}  // namespace slammot
