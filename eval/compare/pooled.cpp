@@ -52,7 +52,7 @@ void Pool::add(const std::string& name, const Sequence& sequence, const RunResul
                const RunMetrics& metrics) {
   if (!runs_.contains(name)) names_.push_back(name);
   const std::vector<PosePair> pairs = pair_with_truth(sequence, run.filtered);
-  Run added{sequence.sha256, metrics, frames_json(pairs), {}, INFINITY};
+  Run added{sequence.sha256, metrics, judged_frames(sequence, pairs), {}, INFINITY};
   for (const PosePair& pair : pairs) added.timestamps[pair.frame] = pair.estimate.timestamp;
   key_ = sequence.exact_truth ? kPositionRmse : kAteSim3;
   const double error = value_of(metrics.filtered.values, key_);
@@ -78,7 +78,9 @@ Json Pool::estimator_json(const std::string& name, const std::vector<Run>& runs)
   const Json anees = frames.anees();
   json["per_frame"] = frames.per_frame();
   for (const Part& part : kParts) {
-    if (!std::ranges::all_of(metrics, [&](auto m) { return has_nees(*m, part); })) {
+    const bool judged = anees.contains(part.name) &&
+                        std::ranges::all_of(metrics, [&](auto m) { return has_nees(*m, part); });
+    if (!judged) {
       json["per_frame"].erase(std::string("anees_") + part.name);
       continue;
     }

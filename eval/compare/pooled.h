@@ -29,7 +29,7 @@ class Pool {
   struct Run {
     std::string sequence;  // its SHA-256
     RunMetrics metrics;
-    Json frames;                       // frames_json()
+    Json frames;                       // judged_frames()
     std::map<int, double> timestamps;  // of the frames judged
     double error = 0.0;                // by which it is compared: infinite where it diverged
   };

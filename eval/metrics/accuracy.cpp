@@ -85,14 +85,14 @@ std::vector<PosePair> aligned(std::vector<PosePair> pairs) {
 }
 
 std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alignment) {
-  constexpr double kFraction = 0.1, kMetre = 1.0;
+  constexpr double kFraction = 0.1, kMetre = 1.0, kAtRest = 1e-3;
   const auto [estimate, truth] = paths_of(after_alignment ? aligned(pairs) : pairs);
   std::vector<double> path(truth.size(), 0.0);
   for (std::size_t i = 1; i < truth.size(); ++i) {
     path[i] = path[i - 1] + (truth[i] - truth[i - 1]).norm();
   }
   for (std::size_t i = 1; i < truth.size(); ++i) {
-    const double whole = kFraction * path.back();
+    const double whole = path.back() > kAtRest ? kFraction * path.back() : kMetre;
     const double allowed =
         after_alignment ? whole : std::max(std::min(kMetre, whole), kFraction * path[i]);
     if ((truth[i] - estimate[i]).norm() > allowed) return pairs[i].frame;

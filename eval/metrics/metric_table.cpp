@@ -209,7 +209,8 @@ MetricTable nis_rows() {
           row("nis_expected", "expected_mean", "expected NIS",
               "mean NIS of a consistent estimator, whose gate cuts off the tail", &N::expected),
           on_terminal(row("nis_joint", "joint_mean", "joint NIS",
-                          "NIS of all accepted of a frame together, over their number; 2 is right",
+                          "NIS of all accepted of a frame together, over their number; 2 is right "
+                          "with an open gate, the expected NIS where errors are independent",
                           &N::joint_mean))};
 }
 

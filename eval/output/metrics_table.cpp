@@ -25,9 +25,12 @@ double expected_of(const Metric& metric, const RunMetrics& run) {
   return std::isnan(of_run) ? value_of(run.filtered.values, metric.expected) : of_run;
 }
 
-std::string heading(const Metric& metric, const RunMetrics& run) {
-  const double expected = expected_of(metric, run);
-  if (std::isnan(expected))
+// With what a consistent run has, where that is the same for all.
+std::string heading(const Metric& metric, const std::vector<NamedMetrics>& results) {
+  const double expected = expected_of(metric, results[0].metrics);
+  const bool same = std::ranges::all_of(
+      results, [&](const auto& r) { return expected_of(metric, r.metrics) == expected; });
+  if (std::isnan(expected) || !same)
     return metric.unit.empty() ? metric.name : metric.name + " " + metric.unit;
   return fmt::format("{} ({:.4g})", metric.name, expected);
 }
@@ -38,9 +41,10 @@ void add_numbers(TextRow& cells, const std::vector<MetricValue>& values) {
   }
 }
 
-void add_headings(TextRow& cells, const std::vector<MetricValue>& values, const RunMetrics& run) {
+void add_headings(TextRow& cells, const std::vector<MetricValue>& values,
+                  const std::vector<NamedMetrics>& results) {
   for (const MetricValue& v : values) {
-    if (v.metric.shown == Shown::kTerminal) cells.push_back(heading(v.metric, run));
+    if (v.metric.shown == Shown::kTerminal) cells.push_back(heading(v.metric, results));
   }
 }
 
@@ -68,7 +72,7 @@ std::string at_frame(const std::optional<int>& frame) {
 // A smoother's own trajectory is a row of its own below the filtered one.
 std::vector<TextRow> trajectory_rows(const Names& names, const std::vector<NamedMetrics>& results) {
   std::vector<TextRow> rows = {names.front()};
-  add_headings(rows[0], results[0].metrics.filtered.values, results[0].metrics);
+  add_headings(rows[0], results[0].metrics.filtered.values, results);
   for (const char* name : {"failed", "diverged"}) rows[0].emplace_back(name);
   for (std::size_t i = 0; i < results.size(); ++i) {
     const RunMetrics& m = results[i].metrics;
@@ -88,7 +92,7 @@ std::vector<TextRow> trajectory_rows(const Names& names, const std::vector<Named
 // What only an estimator of this program tells: none of a trajectory made elsewhere.
 std::vector<TextRow> run_rows(const Names& names, const std::vector<NamedMetrics>& results) {
   std::vector<TextRow> rows = {names.front()};
-  add_headings(rows[0], results[0].metrics.values, results[0].metrics);
+  add_headings(rows[0], results[0].metrics.values, results);
   for (const char* name : {"static r/w/u", "moving r/w/u", "warnings"}) rows[0].emplace_back(name);
   for (std::size_t i = 0; i < results.size(); ++i) {
     const RunMetrics& m = results[i].metrics;

@@ -1,5 +1,6 @@
 #include "eval/pooling/frame_statistics.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "eval/metrics/accuracy.h"
@@ -18,13 +19,21 @@ constexpr const char* kSampled[] = {"position_error_m", "rotation_error_deg", "n
                                     "nees_position",    "nees_rotation",      "position_sigma_m"};
 struct CameraPart {
   const char* name;
+  int first;  // of the 12 entries of the camera's error
   int dof;
 };
-constexpr CameraPart kCameraParts[] = {{"pose", 6}, {"position", 3}, {"rotation", 3}};
+constexpr CameraPart kCameraParts[] = {{"pose", 0, 6}, {"position", 0, 3}, {"rotation", 3, 3}};
 constexpr const char* kLandmarkParts[] = {"landmark_position", "landmark_velocity"};
 
-// A NEES that is not finite belongs to a covariance that is not positive definite.
-double finite_or_infinite(double x) { return std::isnan(x) ? INFINITY : x; }
+double inside(double lower, double x, double upper) {
+  if (std::isnan(lower)) return kUndefined;
+  return lower <= x && x <= upper ? 1.0 : 0.0;
+}
+
+std::vector<double> defined(std::vector<double> values) {
+  std::erase_if(values, [](double x) { return std::isnan(x); });
+  return values;
+}
 
 // The samples of a JSON object of arrays, row by row.
 class Rows {
@@ -43,6 +52,22 @@ class Rows {
 };
 
 }  // namespace
+
+double finite_or_infinite(double nees) { return std::isnan(nees) ? INFINITY : nees; }
+
+Json judged_frames(const Sequence& sequence, const std::vector<PosePair>& pairs) {
+  Json json = frames_json(sequence.exact_truth ? pairs : aligned(pairs));
+  for (const CameraPart& part : kCameraParts) {
+    const bool stated = std::ranges::any_of(pairs, [&](const PosePair& p) {
+      return !p.estimate.covariance.block(part.first, part.first, part.dof, part.dof).hasNaN();
+    });
+    if (!sequence.exact_truth || !stated) json.erase(std::string("nees_") + part.name);
+  }
+  if (!sequence.exact_truth) {
+    json["position_sigma_m"] = std::vector<double>(json["frame"].size(), kUndefined);
+  }
+  return json;
+}
 
 Json frames_json(const std::vector<PosePair>& pairs) {
   Json json;
@@ -73,9 +98,10 @@ void FrameStatistics::add(const Json& frames) {
   for (const CameraPart& part : kCameraParts) {
     const std::string key = std::string("nees_") + part.name;
     if (!frames.contains(key) || frames.at(key).empty()) continue;
-    std::vector<double> samples;
-    for (const Json& x : frames.at(key)) samples.push_back(finite_or_infinite(number(x)));
-    run_means_[part.name].push_back(mean(samples));
+    RunSum run;
+    for (const Json& x : frames.at(key)) run.sum += finite_or_infinite(number(x));
+    run.count = static_cast<double>(frames.at(key).size());
+    run_sums_[part.name].push_back(run);
   }
   const Json& index = frames.at("frame");
   for (std::size_t i = 0; i < index.size(); ++i) {
@@ -95,14 +121,17 @@ FrameStatistics::Anees FrameStatistics::camera_part(const std::string& part, int
   Anees anees{part, dof, {}, {}, {}, {}};
   for (const auto& [index, frame] : frames_) {
     std::vector<double> samples;
-    for (const double x : frame.samples.at("nees_" + part))
-      samples.push_back(finite_or_infinite(x));
-    const Interval interval = nees_interval(dof, static_cast<int>(samples.size()));
+    const auto nees = frame.samples.find("nees_" + part);
+    if (nees != frame.samples.end()) {
+      for (const double x : nees->second) samples.push_back(finite_or_infinite(x));
+    }
+    const int runs = static_cast<int>(samples.size());
+    const Interval interval =
+        runs > 0 ? nees_interval(dof, runs) : Interval{kUndefined, kUndefined};
     anees.value.push_back(mean(samples));
     anees.lower.push_back(interval.lower);
     anees.upper.push_back(interval.upper);
-    anees.covered.push_back(anees.value.back() >= interval.lower &&
-                            anees.value.back() <= interval.upper);
+    anees.inside.push_back(inside(interval.lower, anees.value.back(), interval.upper));
   }
   return anees;
 }
@@ -115,7 +144,7 @@ FrameStatistics::Anees FrameStatistics::landmark_part(const std::string& part) c
     anees.value.push_back(estimate.value);
     anees.lower.push_back(estimate.lower);
     anees.upper.push_back(estimate.upper);
-    anees.covered.push_back(estimate.lower <= kDof && kDof <= estimate.upper);
+    anees.inside.push_back(inside(estimate.lower, kDof, estimate.upper));
   }
   return anees;
 }
@@ -123,7 +152,7 @@ FrameStatistics::Anees FrameStatistics::landmark_part(const std::string& part) c
 std::vector<FrameStatistics::Anees> FrameStatistics::parts() const {
   std::vector<Anees> all;
   for (const CameraPart& part : kCameraParts) {
-    if (run_means_.contains(part.name)) all.push_back(camera_part(part.name, part.dof));
+    if (run_sums_.contains(part.name)) all.push_back(camera_part(part.name, part.dof));
   }
   for (const char* part : kLandmarkParts) {
     if (frames_.begin()->second.landmark_nees.contains(part)) all.push_back(landmark_part(part));
@@ -134,25 +163,19 @@ std::vector<FrameStatistics::Anees> FrameStatistics::parts() const {
 Json FrameStatistics::anees() const {
   Json json = Json::object();
   for (const Anees& part : parts()) {
-    std::vector<double> defined;
-    double covered = 0.0;
-    int infinite = 0;
-    for (std::size_t i = 0; i < part.value.size(); ++i) {
-      if (std::isnan(part.value[i])) continue;  // no landmark had a sample in this frame
-      defined.push_back(part.value[i]);
-      infinite += std::isinf(part.value[i]);
-      covered += part.covered[i];
-    }
+    const std::vector<double> values = defined(part.value);
     json[part.part] = {{"dof", part.dof},
-                       {"mean", mean(defined)},
-                       {"largest", maximum(defined)},
-                       {"inside", covered / static_cast<double>(defined.size())},
-                       {"infinite", infinite}};
-    const auto runs = run_means_.find(part.part);
-    if (runs == run_means_.end()) continue;
-    const Estimate estimate = bootstrap(runs->second, mean);
+                       {"mean", mean(values)},
+                       {"largest", maximum(values)},
+                       {"inside", mean(defined(part.inside))},
+                       {"infinite", std::ranges::count(values, INFINITY)}};
+    const auto runs = run_sums_.find(part.part);
+    if (runs == run_sums_.end()) continue;
+    const Estimate estimate = bootstrap_mean(runs->second);
+    json[part.part]["mean"] = estimate.value;
     json[part.part]["lower"] = estimate.lower;
     json[part.part]["upper"] = estimate.upper;
+    json[part.part]["runs"] = estimate.samples;
   }
   return json;
 }

@@ -20,6 +20,14 @@ namespace slammot {
 // deviations that the estimator states, the roots of the traces.
 nlohmann::ordered_json frames_json(const std::vector<PosePair>& pairs);
 
+// The same of a run that is judged by the truth of `sequence`. Where that is measured, position
+// errors are after similarity alignment and there is neither NEES nor standard deviation. A part
+// without any covariance has no NEES either.
+nlohmann::ordered_json judged_frames(const Sequence& sequence, const std::vector<PosePair>& pairs);
+
+// A NEES that is not finite belongs to a covariance that is not positive definite.
+double finite_or_infinite(double nees);
+
 class FrameStatistics {
  public:
   // `frames` or `smoothed_frames` of one run (docs/formats.md); without NEES where truth is
@@ -31,8 +39,9 @@ class FrameStatistics {
   // Arrays over the frames.
   nlohmann::ordered_json per_frame() const;
 
-  // Of each part: mean over the frames, of the camera's with its 95% bootstrap interval over runs;
-  // largest of a frame, share of frames `inside` it.
+  // Of each part: mean, of the camera's over all poses of all runs with its 95% bootstrap interval
+  // over runs, of landmarks over the frames; largest of a frame, share of frames `inside`, of those
+  // that have an interval.
   nlohmann::ordered_json anees() const;
 
  private:
@@ -44,15 +53,15 @@ class FrameStatistics {
     std::string part;
     int dof = 0;
     std::vector<double> value, lower, upper;  // by frame
-    std::vector<bool> covered;
+    std::vector<double> inside;               // 1 or 0; undefined without an interval
   };
 
   std::vector<Anees> parts() const;
   Anees camera_part(const std::string& part, int dof) const;
   Anees landmark_part(const std::string& part) const;
 
-  std::map<int, Frame> frames_;                           // by Frame::index
-  std::map<std::string, std::vector<double>> run_means_;  // of the camera's NEES, by part
+  std::map<int, Frame> frames_;                          // by Frame::index
+  std::map<std::string, std::vector<RunSum>> run_sums_;  // of the camera's NEES, by part
 };
 
 }  // namespace slammot

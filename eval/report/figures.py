@@ -146,13 +146,13 @@ def pooled_series(comparison):
 
 
 def pooled_error(comparison):
-    """Root mean square over the runs; with two standard deviations as stated."""
+    """Root mean square over the runs, with the stated standard deviation, of which it is an estimate."""
     traces = []
     for e, times, f in pooled_series(comparison):
         traces.append(line(e.name, times, f["position_rmse_m"], e.colour, legendgroup=e.name))
-        stated = [None if sigma is None else 2.0 * sigma for sigma in f["position_sigma_m"]]
+        stated = f["position_sigma_m"]
         if clean(stated):
-            traces.append(line(f"{e.name}: 2σ", times, stated, e.colour, dash="dot", width=1.3, legendgroup=e.name,
+            traces.append(line(f"{e.name}: σ", times, stated, e.colour, dash="dot", width=1.3, legendgroup=e.name,
                                showlegend=False))
     if not traces:
         return None

@@ -29,7 +29,10 @@ def accuracy(comparison):
         if not pair["pairs"] or d["lower"] is None or d["runs"] < FEWEST or d["lower"] <= 0.0 <= d["upper"]:
             continue
         better, worse, wins = (pair["a"], pair["b"], pair["wins_a"]) if d["upper"] < 0.0 else (pair["b"], pair["a"], pair["wins_b"])
-        sentences.append(f"{better} is more accurate than {worse}: better in {wins} of {pair['pairs']} pairs of runs.")
+        if 2 * wins <= pair["wins_a"] + pair["wins_b"]:  # a diverged run has no difference, but it has lost
+            continue
+        both = "" if d["runs"] == pair["pairs"] else f", by the {d['runs']} in which both finished"
+        sentences.append(f"{better} is more accurate than {worse}: better in {wins} of {pair['pairs']} pairs of runs{both}.")
     return [("Accuracy", sentences + ([WHY_ALIGNED] if comparison.aligned else []))]
 
 

@@ -84,7 +84,8 @@ def cost_ratio(row, best):
     where a run diverged, which the cost does not contain, or with too few runs for such an interval."""
     runs = [cell.get("rmse_over_ideal", {}).get("runs", []) for cell in row.cells + best.cells]
     seeds = sorted({r["seed"] for of_cell in runs for r in of_cell})
-    if row is best or len(seeds) < FEWEST or any(len(of_cell) < len(seeds) for of_cell in runs):
+    infinite = any(r["nees_pose"] is None for of_cell in runs for r in of_cell)
+    if row is best or infinite or len(seeds) < FEWEST or any(len(of_cell) < len(seeds) for of_cell in runs):
         return None
     resampled = numpy.random.default_rng(1).integers(len(seeds), size=(RESAMPLES, len(seeds)))
     ratio = resampled_cost(row.cells, seeds, resampled) / resampled_cost(best.cells, seeds, resampled)
@@ -96,10 +97,17 @@ def swept_settings(group):
     return "".join(f", {key} = {value}" for key, value in group["sweep"].items() if not key.startswith("scenario."))
 
 
+def is_ranked(group):
+    """Whether an ideal covariance ran: with a measured truth there is none."""
+    return any(is_ideal(cell) and "per_frame" in cell for cell in group["cells"])
+
+
 def configurations(summary):
     """label and swept settings to its cells, one for each scenario."""
     found = {}
     for group in summary["groups"]:
+        if not is_ranked(group):
+            continue
         for cell in group["cells"]:
             if cell["kind"] in RANKED:
                 found.setdefault(cell["label"] + swept_settings(group), []).append(cell)
@@ -107,9 +115,7 @@ def configurations(summary):
 
 
 def ranking(summary):
-    """Best first. Empty without an ideal covariance in every group, or where there is nothing to choose from."""
-    if not all(any(is_ideal(cell) for cell in group["cells"]) for group in summary["groups"]):
-        return []
+    """Best first. Empty without an ideal covariance, or where there is nothing to choose from."""
     rows = sorted((ranked(label, cells) for label, cells in configurations(summary).items()),
                   key=lambda r: (r.diverged / r.runs, r.cost))
     return rows if sum(not r.oracle for r in rows) > 1 else []
@@ -119,7 +125,7 @@ def recommended(rows):
     """kind to the best configuration of that kind that is no oracle."""
     best = {}
     for row in rows:
-        if not row.oracle:
+        if not row.oracle and math.isfinite(row.cost):
             best.setdefault(row.kind, row)
     return best
 
@@ -147,6 +153,7 @@ def table(summary):
     rows = ranking(summary)
     best = recommended(rows)
     runs = summary.get("runs", 0)
+    left_out = [group["name"] for group in summary["groups"] if not is_ranked(group)]
     return Table(
         "Ranking",
         f"{sentence(rows)} Ordered by the share of diverged runs, then by cost. Cost: error ratio times sigma ratio, geometric mean over the scenarios. "
@@ -155,6 +162,6 @@ def table(summary):
         "ten runs of which none diverged. An interval that contains 1 does not separate the two. The recommended configuration was chosen "
         "after the fact among all of a kind, so its own cost is biased low. Interval coverage: frames whose pose ANEES lies in its 95% interval for "
         f"{runs} runs; it depends on the number of runs. Misclassified: wrong or undecided, of the landmarks observed at least ten times. An oracle is given "
-        "part of the ground truth and is for reference only.",
+        "part of the ground truth and is for reference only." + (f" Left out, without an ideal covariance: {', '.join(left_out)}." if left_out else ""),
         ["", "configuration", "kind", "diverged + failed", "cost", "cost ratio, 95% interval", "error ratio", "sigma ratio", "interval coverage", "misclassified", "time per frame [ms]"],
         [line(row, best.get(row.kind)) for row in rows])

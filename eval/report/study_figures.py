@@ -93,7 +93,7 @@ def camera_error(plt, summary):
             axis.plot(ideal["per_frame"]["frame"], finite(ideal["per_frame"]["position_sigma_m"]), color="black",
                       linewidth=1, linestyle="--", label="ideal sigma (RMS)")
         explain(axis, title=group["name"], xlabel="frame", ylabel="camera position error [m]", ylim=(0, None))
-    return figure, ("Camera position error", "Boxes over the runs: median and quartiles, upper whisker at the 95% quantile (thesis figure 4.2a).")
+    return figure, ("Camera position error", "Of a batch, smoothed. Boxes over the runs: median and quartiles, upper whisker at the 95% quantile (thesis figure 4.2a).")
 
 
 def landmark_boxes(axis, cell, key, place, count, style):
@@ -212,7 +212,7 @@ def cost_points(accuracy, consistency, cell, style):
     ms = cell["timing"]["frame_median_ms"] + cell["timing"]["smoothing_ms"] * batch / len(cell["per_frame"]["frame"])
     error = None if low is None else [[value - low], [rmse["upper"] - value]]
     accuracy.errorbar(ms, value, yerr=error, fmt="o", **style)
-    mean = cell["smoothed_anees" if batch else "anees"].get("pose", {}).get("mean")
+    mean = cell["anees"].get("pose", {}).get("mean")
     if mean is not None:
         consistency.plot(ms, mean, "o", **style)
 
@@ -251,7 +251,7 @@ def anees(plt, summary):
                                   linewidth=0, label="95% interval of a consistent estimator")
             expected(axis, dof)
             explain(axis, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES ({part})", yscale="log")
-    return figure, ("Consistency of the camera", "NEES averaged over the runs, for each frame. A consistent estimator has 6 for the pose and 3 for position "
+    return figure, ("Consistency of the camera", "Of a batch, smoothed. NEES averaged over the runs, for each frame. A consistent estimator has 6 for the pose and 3 for position "
                     "and rotation.")
 
 
@@ -267,7 +267,8 @@ def landmark_anees(plt, summary):
             for cell, style in cells:
                 f = cell["per_frame"]
                 anees_line(axis, cell, f"landmark_{part}", style)
-                interval_band(axis, f["frame"], f[f"anees_landmark_{part}_lower"], f[f"anees_landmark_{part}_upper"], style)
+                if f"anees_landmark_{part}" in f:  # not of a batch
+                    interval_band(axis, f["frame"], f[f"anees_landmark_{part}_lower"], f[f"anees_landmark_{part}_upper"], style)
             expected(axis, 3)
             explain(axis, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES of landmarks ({part})",
                     yscale="log")

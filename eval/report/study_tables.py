@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import lags
 import metrics
+from pooled_verdict import FEWEST
 
 
 @dataclass
@@ -71,7 +72,7 @@ def with_interval(estimate):
 
 
 def percent(part, whole):
-    return "–" if not whole else f"{100.0 * part / whole:.1f}%"
+    return "–" if part is None or not whole else f"{100.0 * part / whole:.1f}%"
 
 
 def share(estimate):
@@ -96,7 +97,7 @@ def estimators_of(summary):
 
 def is_batch(cell):
     """A batch is judged by what it is for: its filtered trajectory is its front window's."""
-    return "smoothed_anees" in cell
+    return cell["kind"] == "batch"
 
 
 def error_of(cell):
@@ -109,12 +110,17 @@ def error_name(group):
     return "ATE Sim(3)" if any(cell.get("aligned") for cell in group["cells"]) else "position RMSE"
 
 
+def decides(part):
+    """Whether its interval is over enough runs: that of fewer is too narrow. A covariance that is not positive definite needs none."""
+    return bool(part.get("infinite")) or part.get("runs", 0) >= FEWEST
+
+
 def anees_class(part):
     """How an ANEES stands to its expected value, where it has an interval over runs."""
     if part.get("infinite"):
         return "over"
     low, high, dof = part.get("lower"), part.get("upper"), part.get("dof")
-    if low is None or high is None or low <= dof <= high:
+    if not decides(part) or low is None or high is None or low <= dof <= high:
         return ""
     return "over" if low > dof else "under"
 
@@ -135,7 +141,7 @@ def summary_cells(cell):
     """Head to (text, class)."""
     if is_ideal(cell):
         return {"runs": (str(cell["runs"]), ""), "diverged": (str(len(cell["diverged"])), ""), "position RMSE [m]": (number(ideal_sigma(cell)), "")}
-    anees = cell.get("smoothed_anees" if is_batch(cell) else "anees", {})
+    anees = cell.get("anees", {})
     pose, position = anees.get("pose", {}), anees.get("position", {})
     over_ideal, timing = cell.get("rmse_over_ideal", {}), cell.get("timing", {})
     aligned = cell.get("aligned")
@@ -168,7 +174,7 @@ def summary_table(summary):
     return Table(
         "Summary",
         "Over all runs; brackets: 95% bootstrap intervals over runs (2000 resamples). Red: failed or diverged runs, and ANEES whose interval lies above "
-        "what a consistent estimator has (in parentheses); blue: below. Frames inside: those whose ANEES, over the runs, lies in its two-sided 95% interval. "
+        "what a consistent estimator has (in parentheses); blue: below, both from ten runs on. Frames inside: those whose ANEES, over the runs, lies in its two-sided 95% interval. "
         "A run has failed when its position error exceeds a tenth of the path, has diverged when its state is no longer finite, and warns where its own numbers "
         "speak against it, without any truth. RMSE is over the runs that did not diverge; of a batch, values are smoothed ones. RMSE over ideal sigma: ratio to the standard deviation of the ideal covariance, that of an EKF "
         "linearised at the truth, with known labels, the fixed depth prior and no gate; its row gives it. It is no bound. Other numbers: table Metrics.",
@@ -187,14 +193,14 @@ def anees_mean(part):
 def consistency_table(summary):
     rows = []
     for group, cell in estimators_of(summary):
-        smoothed = {f"smoothed {part}": a for part, a in cell.get("smoothed_anees", {}).items()}
-        for part, a in {**cell.get("anees", {}), **smoothed}.items():
+        for part, a in cell.get("anees", {}).items():
             if a["mean"] is not None or a["infinite"]:
                 rows.append([group["name"], cell["label"], part.replace("_", " "), str(a["dof"]), anees_mean(a),
                              number(a["largest"]) if a["largest"] is not None else "∞", percent(a["inside"], 1)])
     return Table(
         "Consistency",
-        "ANEES of each part of the state: mean and maximum over the frames, and interval coverage as a share of the frames. For the camera, "
+        "ANEES of each part of the state: mean over the poses of all runs, maximum over the frames, and interval coverage as a share of the frames; of a batch, "
+        "smoothed. For the camera, "
         "a frame is covered if its ANEES lies in the two-sided 95% interval of a consistent estimator. Landmarks of one run share the error of its camera. "
         "For them, a frame is covered if the 95% bootstrap interval over runs contains 3. A wide interval does so easily, so read it with the mean. "
         "Velocities are of the landmarks labelled unknown or moving.",
@@ -202,7 +208,13 @@ def consistency_table(summary):
 
 
 def named(runs):
-    return "; ".join(f'seed {r["seed"]}: {number(r["mean"])} from frame {r["began"]}' for r in runs) or "none"
+    began = lambda r: "" if r["began"] is None else f' from frame {r["began"]}'
+    return "; ".join(f'seed {r["seed"]}: {infinite_or_number(r["mean"])}{began(r)}' for r in runs) or "none"
+
+
+def infinite_or_number(nees):
+    """A mean NEES is null where a covariance was not positive definite."""
+    return "∞" if nees is None else number(nees)
 
 
 def nees_by_run_table(summary):
@@ -211,7 +223,7 @@ def nees_by_run_table(summary):
         runs = cell.get("nees_by_run")
         if not runs:
             continue
-        rows.append([group["name"], cell["label"], str(runs["runs"])] + [number(q) for q in runs["quantiles"]] +
+        rows.append([group["name"], cell["label"], str(runs["runs"])] + [infinite_or_number(q) for q in runs["quantiles"]] +
                     [f'{runs["exceeding"]} ({percent(runs["exceeding"], runs["runs"])})', named(runs["worst"])])
     return Table(
         "NEES by run",
@@ -310,7 +322,7 @@ def value_of(cell, key):
     """A number of a cell by its key: a pooled metric (of a batch, smoothed), a time, or the ANEES of a part."""
     which = "smoothed" if is_batch(cell) else "filtered"
     if key.startswith("anees_"):
-        part = cell.get("smoothed_anees" if is_batch(cell) else "anees", {}).get(key[6:])
+        part = cell.get("anees", {}).get(key[6:])
         return part and {"value": part["mean"], "lower": part.get("lower"), "upper": part.get("upper")}
     if key in cell.get("timing", {}):
         return {"value": cell["timing"][key], "lower": None, "upper": None}
@@ -330,7 +342,8 @@ def best_of(key, values, table):
 
 
 def paper_table(summary):
-    """LaTeX of the columns that the study asks for, with its own labels and caption; the best of a scenario in bold."""
+    """LaTeX of the columns that the study asks for, with its own labels and caption; the best of a scenario in bold. A cell with
+    diverged runs says so and is not the best: its numbers are those of the other runs."""
     wanted = summary["latex"]
     table = metrics.read_table(summary["metrics"])
     label = lambda name: escaped(wanted["labels"].get(name, name))
@@ -339,11 +352,13 @@ def paper_table(summary):
     for group in summary["groups"]:
         cells = [cell for cell in group["cells"] if not is_ideal(cell)]
         values = [[value_of(cell, key) for key in wanted["columns"]] for cell in cells]
-        best = [best_of(key, column, table) for key, column in zip(wanted["columns"], zip(*values))]
+        whole = [row for cell, row in zip(cells, values) if not cell["diverged"]]
+        best = [best_of(key, [row[i] for row in whole], table) for i, key in enumerate(wanted["columns"])]
         for cell, row in zip(cells, values):
-            texts = [rf"\textbf{{{escaped(number(v['value']))}}}" if v and b is not None and v["value"] == b else
+            texts = [rf"\textbf{{{escaped(number(v['value']))}}}" if v and b is not None and v["value"] == b and not cell["diverged"] else
                      escaped(number(v["value"]) if v else "–") for v, b in zip(row, best)]
-            rows.append([label(group["name"]), label(cell["label"]), *texts])
+            diverged = escaped(f' ({len(cell["diverged"])} of {cell["runs"]} diverged)') if cell["diverged"] else ""
+            rows.append([label(group["name"]), label(cell["label"]) + diverged, *texts])
     tabular = booktabs("ll" + "r" * len(head), ["", "", *map(escaped, head)], rows)
     caption = rf"\caption{{{escaped(wanted['caption'])}}}" if wanted["caption"] else ""
     return "\n".join(filter(None, [r"\begin{table}", r"\centering", caption, tabular.rstrip(), r"\end{table}", ""])) + "\n"

@@ -1,7 +1,7 @@
 """A study in words, computed from its summary. Each finding is (heading, sentences)."""
 import ranking
 from pooled_verdict import FEWEST, between
-from study_tables import anees_class, error_name, error_of, estimators_of
+from study_tables import anees_class, decides, error_name, error_of, estimators_of
 
 MOST_GROUPS = 4  # that are named one by one
 POSE = 6  # degrees of freedom
@@ -57,9 +57,11 @@ def pairs(summary):
             if d["lower"] is None or d["runs"] < FEWEST:
                 continue
             smaller, larger, all_of = counts.get((pair["a"], pair["b"]), (0, 0, 0))
-            counts[pair["a"], pair["b"]] = (smaller + (d["upper"] < 0), larger + (d["lower"] > 0), all_of + 1)
+            # A diverged run has no difference, but it has lost.
+            more, less = pair["wins_a"] > pair["wins_b"], pair["wins_a"] < pair["wins_b"]
+            counts[pair["a"], pair["b"]] = (smaller + (more and d["upper"] < 0), larger + (less and d["lower"] > 0), all_of + 1)
     decided = [(a, b, n) for (a, b), n in counts.items() if n[0] or n[1]]
-    sentences = [f"{a} against {b}: more accurate in {n[0]}, less in {n[1]} of {n[2]} scenarios (the interval of the difference excludes 0)."
+    sentences = [f"{a} against {b}: more accurate in {n[0]}, less in {n[1]} of {n[2]} scenarios (the interval of the difference excludes 0, and it wins more pairs)."
                  for a, b, n in decided[:6]]
     if not counts:
         return [("Differences", [f"With fewer than {FEWEST} pairs of runs nothing is decided."])]
@@ -78,11 +80,14 @@ def consistency_of(summary, label):
         return None
     if len(means) < len(parts):
         return f"{label} reports covariances that are not positive definite."
+    text = f"ANEES of the pose {range_of(means)} ({POSE} expected), {range_of([100 * p['inside'] for p in parts])}% of the frames inside"
+    if not any(map(decides, parts)):
+        return f"{label}: {text}; fewer than {FEWEST} runs decide nothing."
     classes = [anees_class(p) for p in parts]
-    above, below = classes.count("over"), classes.count("under")
-    word = "overconfident" if above else "conservative" if below else "not shown to be inconsistent"
-    where = "" if len(parts) == 1 or not (above or below) else f" in {above or below} of {len(parts)} scenarios"
-    return f"{label} is {word}{where}: ANEES of the pose {range_of(means)} ({POSE} expected), {range_of([100 * p['inside'] for p in parts])}% of the frames inside."
+    words = [(word, classes.count(name)) for word, name in (("overconfident", "over"), ("conservative", "under")) if name in classes]
+    where = "" if len(parts) == 1 else "in {} of " + f"{len(parts)} scenarios"
+    word = " and ".join(f"{word} {where.format(n)}".strip() for word, n in words) or "not shown to be inconsistent"
+    return f"{label} is {word}: {text}."
 
 
 def consistency(summary):

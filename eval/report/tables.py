@@ -3,6 +3,7 @@ from dataclasses import dataclass
 
 import metrics
 from metrics import UNDEFINED
+from pooled_verdict import FEWEST
 
 
 @dataclass
@@ -46,9 +47,9 @@ def frames(run):
 
 
 def expected(comparison, metric):
-    """What a consistent run has: a number of the runs themselves."""
-    values = [run.value(metric.expected) for run in comparison.runs] if metric.expected else []
-    return next((value for value in values if value is not None), None)
+    """What a consistent run has: a number of the runs themselves, if it is the same for all."""
+    values = {run.value(metric.expected) for run in comparison.runs} - {None} if metric.expected else set()
+    return values.pop() if len(values) == 1 else None
 
 
 def summary_head(comparison):
@@ -92,7 +93,8 @@ def verdict_class(part):
     """How an ANEES stands to its degrees of freedom, where it has an interval over the runs."""
     if part.get("infinite"):
         return "over"
-    if part.get("lower") is None or part["lower"] <= part["dof"] <= part["upper"]:
+    few = part.get("runs", 0) < FEWEST
+    if few or part.get("lower") is None or part["lower"] <= part["dof"] <= part["upper"]:
         return ""
     return "over" if part["lower"] > part["dof"] else "under"
 

@@ -29,6 +29,11 @@ double effective_samples(const std::vector<double>& series) {
 }
 
 RunNees run_nees(const std::vector<double>& series, int dof, double probability) {
+  const auto infinite = std::ranges::find(series, INFINITY);
+  if (infinite != series.end()) {
+    const auto at = static_cast<std::size_t>(infinite - series.begin());
+    return {INFINITY, static_cast<double>(dof), at};
+  }
   std::vector<double> finite;
   std::vector<std::size_t> at;
   for (std::size_t i = 0; i < series.size(); ++i) {

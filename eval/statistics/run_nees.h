@@ -23,7 +23,8 @@ struct RunNees {
 
 // `probability` that the mean of a consistent run is allowed. Where it began: the sample after
 // which the sum of (NEES - 2 dof) rises to its largest value without being below zero (Page's
-// CUSUM, 1954). Samples that are not finite are left out; none at all gives NaN.
+// CUSUM, 1954). One infinite sample (a covariance that is not positive definite) makes the mean
+// infinite, from that sample on. Undefined samples are left out; none at all gives NaN.
 RunNees run_nees(const std::vector<double>& series, int dof, double probability = 0.99);
 
 }  // namespace slammot

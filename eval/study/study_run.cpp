@@ -155,14 +155,6 @@ Json tracks_json(const Study& study, const Sequence& sequence, const RunResult& 
   return json;
 }
 
-// A measured truth is as it is on a comparison's page: errors after alignment, no NEES.
-Json judged_frames(const Sequence& sequence, const std::vector<PosePair>& pairs) {
-  if (sequence.exact_truth) return frames_json(pairs);
-  Json json = frames_json(aligned(pairs));
-  for (const char* nees : {"nees_pose", "nees_position", "nees_rotation"}) json.erase(nees);
-  return json;
-}
-
 // The pose error and its standard deviation, axis by axis, [dr (W), dtheta (C)].
 Json axes_json(const std::vector<PosePair>& pairs) {
   Json json = {{"frame", Json::array()}, {"error", Json::array()}, {"sigma", Json::array()}};

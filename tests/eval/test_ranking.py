@@ -5,6 +5,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "eval" / "report"))
 import ranking  # noqa: E402
+import study_verdict  # noqa: E402
 
 
 def cell(label, error, anees, kind="filter", diverged=0, oracle=False):
@@ -19,7 +20,7 @@ def cell(label, error, anees, kind="filter", diverged=0, oracle=False):
 
 
 def group(name, cells, **sweep):
-    ideal = cell("ideal_covariance", None, None, "ideal_covariance")
+    ideal = {**cell("ideal_covariance", None, None, "ideal_covariance"), "per_frame": {}}
     return {"name": name, "scenario": name, "sweep": {k.replace("scenario_", "scenario."): v for k, v in sweep.items()},
             "cells": cells + [ideal]}
 
@@ -51,6 +52,22 @@ class Ranking(unittest.TestCase):
                                   cell("window", 2.5, 7.0, "smoother"), cell("window labels", 1.0, 6.0, "smoother", oracle=True)]))
         best = ranking.recommended(rows)
         self.assertEqual({kind: row.label for kind, row in best.items()}, {"filter": "consistent", "smoother": "window"})
+
+    def test_a_measured_truth_has_no_ideal_covariance_and_is_left_out(self):
+        measured = group("recorded", [cell("bad", None, None), cell("good", None, None)])
+        del measured["cells"][-1]["per_frame"]
+        rows = ranked(group("a", [cell("bad", 50.0, 600.0), cell("good", 1.2, 6.0)]), measured)
+        self.assertEqual([r.label for r in rows], ["good", "bad"])
+
+    def test_without_a_finite_cost_nothing_is_recommended(self):
+        rows = ranked(group("a", [cell("bad", None, None), cell("worse", None, None)]))
+        self.assertEqual(ranking.recommended(rows), {})
+        self.assertEqual(ranking.sentence(rows), "")
+
+    def test_an_infinite_nees_has_no_cost_ratio(self):
+        rows = ranked(group("a", [cell("x", 1.0, 6.0), cell("y", 2.0, 6.0)]))
+        rows[1].cells[0]["rmse_over_ideal"]["runs"][4]["nees_pose"] = None
+        self.assertIsNone(ranking.cost_ratio(rows[1], rows[0]))
 
     def test_a_smoother_of_any_name_is_ranked_as_one(self):
         rows = ranked(group("a", [cell("x", 1.0, 6.0), cell("fixed_lag_of_tomorrow", 3.0, 6.0, "smoother")]))
@@ -97,6 +114,31 @@ class Ranking(unittest.TestCase):
         cells = [cell("x", 1.0, 6.0), cell("y", 2.0, 6.0), cell("batch", 1.0, 6.0, "batch")]
         self.assertEqual([r.label for r in ranked(group("a", cells))], ["x", "y"])
         self.assertEqual(ranking.ranking({"groups": [{"name": "a", "sweep": {}, "cells": cells}]}), [])
+
+
+def judged(label, low, high, runs, kind="filter"):
+    pose = {"dof": 6, "mean": (low + high) / 2, "lower": low, "upper": high, "runs": runs, "inside": 0.5, "infinite": 0}
+    return {**cell(label, None, None, kind), "anees": {"pose": pose}}
+
+
+class Verdict(unittest.TestCase):
+    def of(self, *cells):
+        return study_verdict.consistency_of({"groups": [{"cells": [c]} for c in cells]}, "x")
+
+    def test_a_few_runs_call_nobody_overconfident(self):
+        self.assertIn("decide nothing", self.of(judged("x", 7.0, 9.0, 5)))
+        self.assertIn("x is overconfident:", self.of(judged("x", 7.0, 9.0, 10)))
+
+    def test_conservative_scenarios_are_not_hidden_by_an_overconfident_one(self):
+        text = self.of(judged("x", 7.0, 9.0, 10), judged("x", 3.0, 5.0, 10), judged("x", 3.0, 5.0, 10))
+        self.assertIn("overconfident in 1 of 3 scenarios and conservative in 2 of 3 scenarios", text)
+
+    def test_who_diverges_is_not_more_accurate(self):
+        difference = {"value": -0.01, "lower": -0.02, "upper": -0.001, "runs": 12}
+        pair = {"a": "x", "b": "y", "pairs": 50, "wins_a": 12, "wins_b": 38, "position_rmse_difference_m": difference}
+        self.assertIn("No difference", study_verdict.pairs({"groups": [{"pairs": [pair]}]})[0][1][0])
+        pair["wins_a"], pair["wins_b"] = 30, 20
+        self.assertIn("more accurate in 1", study_verdict.pairs({"groups": [{"pairs": [pair]}]})[0][1][0])
 
 
 if __name__ == "__main__":

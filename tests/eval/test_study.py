@@ -233,11 +233,11 @@ class Page(WithStudy):
         self.assertLess(text.index('class="verdict"'), text.index("<table"))
         self.assertIn("Each seed is another simulation of the scenario.", text)
         verdict = text[text.index('class="verdict"'):text.index("<table")]
-        self.assertRegex(verdict, r"ekf is [a-z ]+( in \d of 2 scenarios)?: ANEES of the pose [\d.]+ to [\d.]+ \(6 expected\)")
+        self.assertRegex(verdict, r"ekf: ANEES of the pose [\d.]+ to [\d.]+ \(6 expected\), .* fewer than 10 runs decide nothing")
         self.assertIn("With fewer than 10 pairs of runs nothing is decided.", text)
         cells = [cell for group in json.loads((self.whole / "summary.json").read_text())["groups"] for cell in group["cells"]]
-        over = sum(cell["anees"][part]["lower"] > dof for cell in cells for part, dof in (("pose", 6), ("position", 3)))
-        over += sum(bool(cell["lost"]) + bool(cell["diverged"]) for cell in cells)
+        # No ANEES: with so few runs its interval is too narrow to say.
+        over = sum(bool(cell["lost"]) + bool(cell["diverged"]) for cell in cells)
         over += sum(bool((cell.get("failed_silently") or {}).get("value")) for cell in cells)
         summary = text[text.index("<h2>Summary"):text.index("<h2>", text.index("<h2>Summary") + 4)]
         self.assertEqual(summary.count('<td class="over">'), over)

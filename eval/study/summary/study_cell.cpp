@@ -40,11 +40,10 @@ void CellSummary::add(const Json& run) {
   }
   if (!run.contains("frames")) return;  // it never began
   if (!run.at("lost_at").is_null()) failed_.push_back({{"seed", seed}, {"frame", run["lost_at"]}});
-  frames_.add(run.at("frames"));
-  if (run.contains("smoothed_frames")) smoothed_.add(run["smoothed_frames"]);
-  stated_sigma_[seed] = root_mean_square(numbers(run["frames"].at("position_sigma_m")));
-  if (run["frames"].contains("nees_pose")) add_nees(seed, run["frames"]);
-  if (run.contains("axes")) axes_ = run["axes"];
+  const char* judged = is_batch() ? "smoothed" : "filtered";
+  const char* frames = is_batch() ? "smoothed_frames" : "frames";
+  if (run.contains(frames)) add_frames(seed, run[frames]);
+  if (run.contains("axes") && !is_batch()) axes_ = run["axes"];
   ages_.add(run.at("landmarks"));
   tracks_.add(run.at("tracks"));
   for (const char* what : kCounts) {
@@ -53,27 +52,38 @@ void CellSummary::add(const Json& run) {
   for (const auto& [key, value] : run.at("coverage").items()) coverage_[key] += number(value);
   add_values(Scope::kRun, run, "");
   if (!diverged.is_null()) return;
-  // A batch is judged by what it is for: its filtered trajectory is its front window's.
-  const char* judged = run.contains("smoothed_frames") ? "smoothed" : "filtered";
   aligned_ = run.value("aligned", false);
-  position_rmse_[seed] = number(run.at(judged).at(aligned_ ? kAteSim3 : kPositionRmse));
+  if (!run.at(judged).is_object()) return;  // a batch that was not solved
+  position_rmse_[seed] = number(run[judged].at(aligned_ ? kAteSim3 : kPositionRmse));
   for (const std::string which : {"filtered", "smoothed"}) {
     add_values(Scope::kTrajectory, run.at(which), which + "_");
   }
 }
 
-void CellSummary::add_nees(std::uint64_t seed, const Json& frames) {
-  const std::vector<double> nees = numbers(frames.at("nees_pose"));
+// A batch is judged by what it is for: its filtered trajectory is its front window's.
+bool CellSummary::is_batch() const {
+  return find_estimator(cell_.estimator).kind == EstimatorKind::kBatch;
+}
+
+void CellSummary::add_frames(std::uint64_t seed, const Json& frames) {
+  frames_.add(frames);
+  stated_sigma_[seed] = root_mean_square(numbers(frames.at("position_sigma_m")));
+  if (!frames.contains("nees_pose")) return;
+  std::vector<double> nees = numbers(frames["nees_pose"]);
+  for (double& x : nees) x = finite_or_infinite(x);
   pose_nees_[seed] = mean(nees);
   const RunNees of_run = run_nees(nees, kPoseDof);
   run_nees_[seed] = {of_run, of_run.began ? frames.at("frame")[*of_run.began] : Json()};
 }
 
-// One that is not defined (no landmark was ever decided) is no sample.
+// One that is not defined (no landmark was ever decided) is no sample. Nor are poses at a lag of a
+// run that diverged, whose RMSE is not counted either, or of a batch, which are its front window's.
 void CellSummary::add_values(Scope scope, const Json& values, const std::string& prefix) {
   for (const Metric& metric : metrics_) {
     const bool pools = metric.pooled == Pooled::kMean || metric.pooled == Pooled::kRootMeanSquare;
     if (metric.scope != scope || !pools || !values.is_object()) continue;
+    const bool of_lag = metric.key.starts_with("lag.");
+    if (of_lag && (is_batch() || !values.at("diverged").is_null())) continue;
     const auto value = values.find(metric.key);
     if (value == values.end() || !value->is_number()) continue;
     Scalar& scalar = scalars_[prefix + metric.key];
@@ -87,7 +97,7 @@ Json CellSummary::nees_by_run() const {
   std::vector<double> means;
   std::vector<std::pair<double, std::uint64_t>> exceeding;
   for (const auto& [seed, run] : run_nees_) {
-    means.push_back(run.first.mean);
+    if (!std::isnan(run.first.mean)) means.push_back(run.first.mean);
     if (run.first.exceeds()) exceeding.push_back({-run.first.mean, seed});
   }
   std::ranges::sort(exceeding);
@@ -123,7 +133,9 @@ Json CellSummary::json() const {
                {"diverged", diverged_},
                {"lost", failed_}};
   json["configuration"] = Json::object();
-  for (const auto& [key, value] : key_values(cell_.configuration)) {
+  Configuration configuration = cell_.configuration;
+  estimator.adjust(configuration);
+  for (const auto& [key, value] : key_values(configuration)) {
     json["configuration"][key] = value;
   }
   if (frames_.empty()) return json;  // no run began
@@ -132,14 +144,12 @@ Json CellSummary::json() const {
   }
   json["anees"] = frames_.anees();
   if (!run_nees_.empty()) json["nees_by_run"] = nees_by_run();
-  if (!smoothed_.empty()) json["smoothed_anees"] = smoothed_.anees();
   for (const auto& [what, counts] : counts_) json[what] = counts;
   json["coverage"] = coverage_;
   json["timing"] = Json::object();
   for (const auto& [key, samples] : timing_) json["timing"][key] = median(samples);
   json["timing"]["stages_ms"] = stages_;
   json["per_frame"] = frames_.per_frame();
-  if (!smoothed_.empty()) json["smoothed_per_frame"] = smoothed_.per_frame();
   if (!axes_.is_null()) json["axes"] = axes_;
   json["by_age"] = ages_.json();
   json["tracks"] = tracks_.json();

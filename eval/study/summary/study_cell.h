@@ -19,9 +19,9 @@ class CellSummary {
   void add_timing(const nlohmann::ordered_json& timing);  // a line of timing.jsonl
   nlohmann::ordered_json json() const;
 
-  // By seed: position RMSE over the run (ATE Sim(3) where the truth is measured), smoothed of a
-  // batch, infinite of one that diverged; what
-  // it states of it; and the mean NEES of its poses.
+  // By seed, of the poses that are judged: position RMSE over the run (ATE Sim(3) where the truth
+  // is measured), infinite of one that diverged; what it states of it; and the mean NEES of its
+  // poses.
   const std::map<std::uint64_t, double>& position_rmse() const { return position_rmse_; }
   const std::map<std::uint64_t, double>& stated_sigma() const { return stated_sigma_; }
   const std::map<std::uint64_t, double>& pose_nees() const { return pose_nees_; }
@@ -31,8 +31,9 @@ class CellSummary {
     Pooled pooled;
     std::vector<double> samples;
   };
-  void add_nees(std::uint64_t seed, const nlohmann::ordered_json& frames);
+  void add_frames(std::uint64_t seed, const nlohmann::ordered_json& frames);
   nlohmann::ordered_json nees_by_run() const;
+  bool is_batch() const;
   void add_values(Scope scope, const nlohmann::ordered_json& values, const std::string& prefix);
 
   const StudyCell& cell_;
@@ -44,7 +45,7 @@ class CellSummary {
   std::map<std::uint64_t, double> position_rmse_, stated_sigma_, pose_nees_;
   std::map<std::uint64_t, std::pair<RunNees, nlohmann::ordered_json>> run_nees_;  // and its frame
   std::map<std::string, Scalar> scalars_;
-  FrameStatistics frames_, smoothed_;
+  FrameStatistics frames_;
   nlohmann::ordered_json axes_;  // of the first seed
   LandmarkAges ages_;
   RecordedTracks tracks_;

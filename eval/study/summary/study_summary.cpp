@@ -117,7 +117,7 @@ void add_ideal(std::vector<Finished>& cells) {
     if (!is_ideal(ideal) || !ideal.json.contains("per_frame")) continue;
     for (Finished& cell : cells) {
       // Not a batch's, which has smoothed: this covariance is a filter's.
-      const bool filters = !cell.json.contains("smoothed_anees");
+      const bool filters = cell.kind != EstimatorKind::kBatch;
       if (is_ideal(cell) || !cell.json.contains("per_frame") || !filters) continue;
       cell.json["rmse_over_ideal"] = over_ideal(cell, ideal);
     }
