@@ -228,7 +228,7 @@ def trade_off(plt, summary):
         explain(accuracy, **shared, ylabel=f"{error_name(group)} [m]", ylim=(0, None))
         explain(consistency, **shared, ylabel="ANEES of the pose (6 expected)", yscale="log")
         if not any("pose" in cell["anees"] for cell, _ in cells):
-            consistency.text(0.5, 0.5, "not judged: the truth is measured", transform=consistency.transAxes, ha="center")
+            consistency.text(0.5, 0.5, "not judged: truth not exact, or no covariance", transform=consistency.transAxes, ha="center")
     return figure, ("Accuracy and consistency against cost", "Filtered estimates; for a batch, smoothed ones. Bars: 95% bootstrap intervals over runs (2000 resamples).")
 
 
@@ -247,7 +247,7 @@ def anees(plt, summary):
                 anees_line(axis, cell, part, style)
             f = cells[0][0]["per_frame"]
             if f"anees_{part}" in f:
-                axis.fill_between(f["frame"], f[f"anees_{part}_lower"], f[f"anees_{part}_upper"], color="black", alpha=0.12,
+                axis.fill_between(f["frame"], finite(f[f"anees_{part}_lower"]), finite(f[f"anees_{part}_upper"]), color="black", alpha=0.12,
                                   linewidth=0, label="95% interval of a consistent estimator")
             expected(axis, dof)
             explain(axis, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES ({part})", yscale="log")

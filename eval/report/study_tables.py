@@ -199,7 +199,7 @@ def consistency_table(summary):
                              number(a["largest"]) if a["largest"] is not None else "∞", percent(a["inside"], 1)])
     return Table(
         "Consistency",
-        "ANEES of each part of the state: mean over the poses of all runs, maximum over the frames, and interval coverage as a share of the frames; of a batch, "
+        "ANEES of each part of the state: mean over the poses of all runs (of landmarks, over the frames), maximum over the frames, and interval coverage as a share of the frames; of a batch, "
         "smoothed. For the camera, "
         "a frame is covered if its ANEES lies in the two-sided 95% interval of a consistent estimator. Landmarks of one run share the error of its camera. "
         "For them, a frame is covered if the 95% bootstrap interval over runs contains 3. A wide interval does so easily, so read it with the mean. "

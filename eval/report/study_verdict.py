@@ -58,14 +58,15 @@ def pairs(summary):
                 continue
             smaller, larger, all_of = counts.get((pair["a"], pair["b"]), (0, 0, 0))
             # A diverged run has no difference, but it has lost.
-            more, less = pair["wins_a"] > pair["wins_b"], pair["wins_a"] < pair["wins_b"]
+            all_finished = d["runs"] == pair["pairs"]
+            more, less = all_finished or pair["wins_a"] > pair["wins_b"], all_finished or pair["wins_a"] < pair["wins_b"]
             counts[pair["a"], pair["b"]] = (smaller + (more and d["upper"] < 0), larger + (less and d["lower"] > 0), all_of + 1)
     decided = [(a, b, n) for (a, b), n in counts.items() if n[0] or n[1]]
-    sentences = [f"{a} against {b}: more accurate in {n[0]}, less in {n[1]} of {n[2]} scenarios (the interval of the difference excludes 0, and it wins more pairs)."
+    sentences = [f"{a} against {b}: more accurate in {n[0]}, less in {n[1]} of {n[2]} scenarios (the interval of the difference excludes 0; where runs diverged, it also wins more pairs)."
                  for a, b, n in decided[:6]]
     if not counts:
         return [("Differences", [f"With fewer than {FEWEST} pairs of runs nothing is decided."])]
-    return [("Differences", sentences or ["No difference has an interval that excludes 0."])]
+    return [("Differences", sentences or ["No difference is decided."])]
 
 
 def range_of(values):
@@ -83,16 +84,18 @@ def consistency_of(summary, label):
     text = f"ANEES of the pose {range_of(means)} ({POSE} expected), {range_of([100 * p['inside'] for p in parts])}% of the frames inside"
     if not any(map(decides, parts)):
         return f"{label}: {text}; fewer than {FEWEST} runs decide nothing."
-    classes = [anees_class(p) for p in parts]
+    judged = [p for p in parts if decides(p)]
+    classes = [anees_class(p) for p in judged]
     words = [(word, classes.count(name)) for word, name in (("overconfident", "over"), ("conservative", "under")) if name in classes]
-    where = "" if len(parts) == 1 else "in {} of " + f"{len(parts)} scenarios"
+    where = "" if len(parts) == 1 else "in {} of " + f"{len(judged)} scenarios"
+    few = f"; {len(parts) - len(judged)} with fewer than {FEWEST} runs decide nothing" if len(judged) < len(parts) else ""
     word = " and ".join(f"{word} {where.format(n)}".strip() for word, n in words) or "not shown to be inconsistent"
-    return f"{label} is {word}: {text}."
+    return f"{label} is {word}: {text}{few}."
 
 
 def consistency(summary):
     sentences = [s for s in (consistency_of(summary, label) for label in labels(summary)) if s]
-    return [("Consistency", sentences or ["Not judged: the truth is measured."])]
+    return [("Consistency", sentences or ["Not judged: the truth is not exact, or a covariance is missing."])]
 
 
 def recommendation(summary):
