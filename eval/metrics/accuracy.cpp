@@ -88,11 +88,13 @@ std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alig
   constexpr double kFraction = 0.1, kMetre = 1.0, kAtRest = 1e-3;
   const auto [estimate, truth] = paths_of(after_alignment ? aligned(pairs) : pairs);
   std::vector<double> path(truth.size(), 0.0);
+  double extent = 0.0;  // jitter adds to the path of a camera at rest, not to this
   for (std::size_t i = 1; i < truth.size(); ++i) {
     path[i] = path[i - 1] + (truth[i] - truth[i - 1]).norm();
+    extent = std::max(extent, (truth[i] - truth[0]).norm());
   }
   for (std::size_t i = 1; i < truth.size(); ++i) {
-    const double whole = path.back() > kAtRest ? kFraction * path.back() : kMetre;
+    const double whole = extent > kAtRest ? kFraction * path.back() : kMetre;
     const double allowed =
         after_alignment ? whole : std::max(std::min(kMetre, whole), kFraction * path[i]);
     if ((truth[i] - estimate[i]).norm() > allowed) return pairs[i].frame;

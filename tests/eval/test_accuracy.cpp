@@ -102,6 +102,18 @@ TEST(Accuracy, FailedAboveATenthOfThePath) {
   EXPECT_EQ(failed_at(pairs, true), std::nullopt);  // aligned away
 }
 
+TEST(Accuracy, ACameraAtRestFailsAboveAMetre) {
+  const Sequence sequence = test::straight_line(600);
+  auto pairs = pairs_of(sequence, [](int, CameraState&) {});
+  for (PosePair& pair : pairs) {
+    pair.truth.position = Eigen::Vector3d(pair.frame % 2 == 0 ? 0.0 : 1e-4, 0.0, 0.0);  // jitter
+    pair.estimate.state.position = Eigen::Vector3d(0.0, 0.9, 0.0);
+  }
+  EXPECT_EQ(failed_at(pairs, false), std::nullopt);
+  pairs.back().estimate.state.position.y() = 1.1;
+  EXPECT_EQ(failed_at(pairs, false), pairs.back().frame);
+}
+
 TEST(PosePairs, AFrameHasItsNearestEstimateOnly) {
   const Sequence sequence = test::straight_line(3);
   std::vector<CameraEstimate> dense;
