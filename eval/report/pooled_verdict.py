@@ -4,6 +4,30 @@ from verdict import WHY_ALIGNED, alignment_of, error_name
 FEWEST = 10  # runs from which an interval over runs decides
 
 
+def decides(part):
+    """Whether its interval is over enough runs: that of fewer is too narrow. A covariance that is not positive definite needs none."""
+    return bool(part.get("infinite")) or part.get("runs", 0) >= FEWEST
+
+
+def anees_class(part):
+    """How an ANEES stands to its expected value, where it has an interval over runs."""
+    if part.get("infinite"):
+        return "over"
+    low, high, dof = part.get("lower"), part.get("upper"), part.get("dof")
+    if not decides(part) or low is None or high is None or low <= dof <= high:
+        return ""
+    return "over" if low > dof else "under"
+
+
+def more_accurate(pair, difference):
+    """"a", "b" or None where that is not decided. A diverged run has no difference, but it has lost: where some are, wins must agree."""
+    if difference["lower"] is None or difference["runs"] < FEWEST or difference["lower"] <= 0.0 <= difference["upper"]:
+        return None
+    better, worse = "ab" if difference["upper"] < 0.0 else "ba"
+    agree = difference["runs"] == pair["pairs"] or pair[f"wins_{better}"] > pair[f"wins_{worse}"]
+    return better if agree else None
+
+
 def between(estimate, unit=" m"):
     """value [lower, upper]"""
     if estimate["lower"] is None:
@@ -26,11 +50,10 @@ def accuracy(comparison):
         f"{e.name} {between(e.values[comparison.error_key])}" for e in known) + "."]
     for pair in comparison.pairs:
         d = pair["difference"]
-        if not pair["pairs"] or d["lower"] is None or d["runs"] < FEWEST or d["lower"] <= 0.0 <= d["upper"]:
+        which = more_accurate(pair, d)
+        if which is None:
             continue
-        better, worse, wins = (pair["a"], pair["b"], pair["wins_a"]) if d["upper"] < 0.0 else (pair["b"], pair["a"], pair["wins_b"])
-        if 2 * wins <= pair["wins_a"] + pair["wins_b"]:  # a diverged run has no difference, but it has lost
-            continue
+        better, worse, wins = pair[which], pair["b" if which == "a" else "a"], pair[f"wins_{which}"]
         both = "" if d["runs"] == pair["pairs"] else f", by the {d['runs']} in which both finished"
         sentences.append(f"{better} is more accurate than {worse}: better in {wins} of {pair['pairs']} pairs of runs{both}.")
     return [("Accuracy", sentences + ([WHY_ALIGNED] if comparison.aligned else []))]

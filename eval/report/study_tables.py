@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import lags
 import metrics
-from pooled_verdict import FEWEST
+from pooled_verdict import anees_class
 
 
 @dataclass
@@ -108,21 +108,6 @@ def error_of(cell):
 
 def error_name(group):
     return "ATE Sim(3)" if any(cell.get("aligned") for cell in group["cells"]) else "position RMSE"
-
-
-def decides(part):
-    """Whether its interval is over enough runs: that of fewer is too narrow. A covariance that is not positive definite needs none."""
-    return bool(part.get("infinite")) or part.get("runs", 0) >= FEWEST
-
-
-def anees_class(part):
-    """How an ANEES stands to its expected value, where it has an interval over runs."""
-    if part.get("infinite"):
-        return "over"
-    low, high, dof = part.get("lower"), part.get("upper"), part.get("dof")
-    if not decides(part) or low is None or high is None or low <= dof <= high:
-        return ""
-    return "over" if low > dof else "under"
 
 
 def anees_text(part):

@@ -1,7 +1,7 @@
 """A study in words, computed from its summary. Each finding is (heading, sentences)."""
 import ranking
-from pooled_verdict import FEWEST, between
-from study_tables import anees_class, decides, error_name, error_of, estimators_of
+from pooled_verdict import FEWEST, anees_class, between, decides, more_accurate
+from study_tables import error_name, error_of, estimators_of
 
 MOST_GROUPS = 4  # that are named one by one
 POSE = 6  # degrees of freedom
@@ -57,10 +57,8 @@ def pairs(summary):
             if d["lower"] is None or d["runs"] < FEWEST:
                 continue
             smaller, larger, all_of = counts.get((pair["a"], pair["b"]), (0, 0, 0))
-            # A diverged run has no difference, but it has lost.
-            all_finished = d["runs"] == pair["pairs"]
-            more, less = all_finished or pair["wins_a"] > pair["wins_b"], all_finished or pair["wins_a"] < pair["wins_b"]
-            counts[pair["a"], pair["b"]] = (smaller + (more and d["upper"] < 0), larger + (less and d["lower"] > 0), all_of + 1)
+            better = more_accurate(pair, d)
+            counts[pair["a"], pair["b"]] = (smaller + (better == "a"), larger + (better == "b"), all_of + 1)
     decided = [(a, b, n) for (a, b), n in counts.items() if n[0] or n[1]]
     sentences = [f"{a} against {b}: more accurate in {n[0]}, less in {n[1]} of {n[2]} scenarios (the interval of the difference excludes 0; where runs diverged, it also wins more pairs)."
                  for a, b, n in decided[:6]]

@@ -3,7 +3,7 @@ from dataclasses import dataclass
 
 import metrics
 from metrics import UNDEFINED
-from pooled_verdict import FEWEST
+from pooled_verdict import anees_class
 
 
 @dataclass
@@ -89,23 +89,13 @@ def with_interval(estimate, digits=3):
     return Cell(shown(estimate["value"], digits), note="" if low is None else f"{shown(low, digits)} to {shown(high, digits)}")
 
 
-def verdict_class(part):
-    """How an ANEES stands to its degrees of freedom, where it has an interval over the runs."""
-    if part.get("infinite"):
-        return "over"
-    few = part.get("runs", 0) < FEWEST
-    if few or part.get("lower") is None or part["lower"] <= part["dof"] <= part["upper"]:
-        return ""
-    return "over" if part["lower"] > part["dof"] else "under"
-
-
 def anees_cell(estimator, part):
     a = estimator.anees.get(part)
     if not a:
         return Cell(UNDEFINED), ""
     if a["infinite"] or a["mean"] is None:
         return Cell("∞"), "over"
-    return with_interval({"value": a["mean"], "lower": a["lower"], "upper": a["upper"]}), verdict_class(a)
+    return with_interval({"value": a["mean"], "lower": a["lower"], "upper": a["upper"]}), anees_class(a)
 
 
 POOLED = ("ate_sim3_m", "sim3_scale", "position_rmse_m", "ate_se3_m", "rpe_1s_position_rmse_m", "rotation_rmse_deg")

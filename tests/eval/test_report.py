@@ -174,7 +174,7 @@ def with_measured_truth(comparison):
 def estimator(name, rmse, anees, runs=12, failed=0):
     def interval(value):
         return {"value": value, "lower": 0.9 * value, "upper": 1.1 * value, "runs": runs}
-    part = {"dof": 6, "mean": anees, "largest": 2 * anees, "lower": 0.9 * anees, "upper": 1.1 * anees, "inside": 0.5, "infinite": 0}
+    part = {"dof": 6, "mean": anees, "largest": 2 * anees, "lower": 0.9 * anees, "upper": 1.1 * anees, "runs": runs, "inside": 0.5, "infinite": 0}
     times = [i / 15 for i in range(1, FRAMES)]
     return {"name": name, "runs": runs, "diverged": 0, "failed": failed,
             "values": {"position_rmse_m": interval(rmse), "coverage": interval(0.97)}, "anees": {"pose": part},
