@@ -75,7 +75,7 @@ LensModel find_lens(std::string_view name, std::span<const double> distortion) {
                                   " distortion coefficients, not " +
                                   std::to_string(distortion.size()));
     }
-    std::copy(distortion.begin(), distortion.end(), lens.coefficients.begin());
+    for (std::size_t i = 0; i < distortion.size(); ++i) lens.coefficients[i] = distortion[i];
     return lens;
   }
 }
