@@ -15,6 +15,7 @@
 #include "datasets/output/output_files.h"
 #include "datasets/output/output_folder.h"
 #include "datasets/readers/reader.h"
+#include "datasets/text/text_table.h"
 #include "eval/compare/compare.h"
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_table.h"
@@ -88,14 +89,17 @@ void say_what_is_wrong(const std::vector<NamedMetrics>& results) {
   }
 }
 
-// Everything that will be written into, before anything is. The mark comes first, so that what an
-// interrupted comparison leaves can be replaced.
+// Everything that will be written into, before anything is. The mark comes first: what a comparison
+// that ended before its first run leaves is replaced, and any other with --force.
 void claim(const CompareArguments& arguments, const std::filesystem::path& output,
            const std::vector<ComparedRun>& runs) {
   const bool replace = arguments.force || arguments.output.empty();
+  const auto mark = output / kComparisonOutput.mark;
+  const std::string begun = std::string(kComparisonOutput.begins) + ",\n \"runs\": []\n}\n";
+  const bool unfinished = std::filesystem::exists(mark) && read_text_file(mark) == begun;
   const std::filesystem::path& input = arguments.sequence;
-  require_output(output, kComparisonOutput, replace, input);
-  if (input.empty()) require_output(output / kSequence, kSequenceOutput, replace);
+  require_output(output, kComparisonOutput, replace || unfinished, input);
+  if (input.empty()) require_output(output / kSequence, kSequenceOutput, replace || unfinished);
   for (const ComparedRun& run : runs) {
     require_output(output / run.label, kRunOutput, replace, input);
     if (!arguments.pictures) continue;
@@ -103,9 +107,7 @@ void claim(const CompareArguments& arguments, const std::filesystem::path& outpu
   }
   require_writable_folder(output);
   std::filesystem::create_directories(output);
-  const auto mark = output / kComparisonOutput.mark;
-  if (std::filesystem::exists(mark)) return;
-  write_file(mark, std::string(kComparisonOutput.begins) + ",\n \"runs\": []\n}\n");
+  if (!std::filesystem::exists(mark)) write_file(mark, begun);
 }
 
 int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path& output) {

@@ -14,6 +14,7 @@
 #include "eval/study/study_view.h"
 #include "eval/study/summary/study_summary.h"
 #include "eval/study/table/runs_table.h"
+#include "frontend/odometry/rotation_check.h"
 
 namespace slammot {
 namespace {
@@ -91,6 +92,7 @@ int execute(const StudyArguments& arguments) {
   options.output = output;
   options.shard = shard;
   options.mix = arguments.force;
+  options.check_rotation = check_rotation;
   options.jobs =
       arguments.jobs > 0 ? arguments.jobs : static_cast<int>(std::thread::hardware_concurrency());
   Progress progress("run", "runs");

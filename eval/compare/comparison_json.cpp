@@ -35,9 +35,10 @@ Json run_json(const Sequence& sequence, const ComparedEntry& entry, const RunRes
   json["metrics"] = metrics_json(metrics);
   erase_series(json["metrics"]["filtered"]);
   erase_series(json["metrics"]["smoothed"]);
-  json["series"] = filtered_series(sequence, run, metrics.filtered);
-  json["smoothed_series"] =
-      metrics.smoothed ? smoothed_series(sequence, run, *metrics.smoothed) : Json();
+  json["series"] = run_series(sequence, run, metrics.judged());
+  json["smoothed_series"] = metrics.smoothed && !metrics.batch
+                                ? smoothed_series(sequence, run, *metrics.smoothed)
+                                : Json();
   return json;
 }
 

@@ -19,7 +19,7 @@ constexpr Part kParts[] = {{"pose", &PoseConsistency::pose},
                            {"rotation", &PoseConsistency::rotation}};
 
 bool has_nees(const RunMetrics& metrics, const Part& part) {
-  const auto& consistency = metrics.filtered.consistency.value;
+  const auto& consistency = metrics.judged().consistency.value;
   return consistency && (*consistency.*part.summary).used > 0;
 }
 
@@ -38,7 +38,7 @@ Json values_of_all(const std::vector<const RunMetrics*>& runs) {
   };
   for (const RunMetrics* run : runs) {
     if (run->diverged) continue;
-    take(run->filtered.values);
+    take(run->judged().values);
     take(run->values);
   }
   Json json = Json::object();
@@ -51,11 +51,11 @@ Json values_of_all(const std::vector<const RunMetrics*>& runs) {
 void Pool::add(const std::string& name, const Sequence& sequence, const RunResult& run,
                const RunMetrics& metrics) {
   if (!runs_.contains(name)) names_.push_back(name);
-  const std::vector<PosePair> pairs = pair_with_truth(sequence, run.filtered);
+  const std::vector<PosePair> pairs = pair_with_truth(sequence, run.judged());
   Run added{sequence.sha256, metrics, judged_frames(sequence, pairs), {}, INFINITY};
   for (const PosePair& pair : pairs) added.timestamps[pair.frame] = pair.estimate.timestamp;
   key_ = sequence.exact_truth ? kPositionRmse : kAteSim3;
-  const double error = value_of(metrics.filtered.values, key_);
+  const double error = value_of(metrics.judged().values, key_);
   if (!metrics.diverged && !std::isnan(error)) added.error = error;
   runs_[name].push_back(std::move(added));
 }

@@ -79,9 +79,8 @@ Json smoothed_series(const Sequence& sequence, const RunResult& run,
   return trajectory_series(sequence, run.smoothed, metrics);
 }
 
-Json filtered_series(const Sequence& sequence, const RunResult& run,
-                     const TrajectoryMetrics& metrics) {
-  Json json = trajectory_series(sequence, run.filtered, metrics);
+Json run_series(const Sequence& sequence, const RunResult& run, const TrajectoryMetrics& metrics) {
+  Json json = trajectory_series(sequence, run.judged(), metrics);
   std::map<int, double> total_ms;
   for (const StageTime& time : run.timing) {
     if (time.stage == "total") total_ms[time.frame] = time.milliseconds;

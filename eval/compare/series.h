@@ -9,8 +9,9 @@
 
 namespace slammot {
 
-nlohmann::ordered_json filtered_series(const Sequence& sequence, const RunResult& run,
-                                       const TrajectoryMetrics& metrics);
+// Of the trajectory that the run is judged by.
+nlohmann::ordered_json run_series(const Sequence& sequence, const RunResult& run,
+                                  const TrajectoryMetrics& metrics);
 nlohmann::ordered_json smoothed_series(const Sequence& sequence, const RunResult& run,
                                        const TrajectoryMetrics& metrics);
 nlohmann::ordered_json truth_json(const Sequence& sequence);

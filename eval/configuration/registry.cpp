@@ -122,6 +122,12 @@ std::string estimator_label(const std::string& name) {
   return python ? python->name : name;
 }
 
+bool is_batch(const std::string& name) {
+  return std::ranges::any_of(estimator_table(), [&](const EstimatorRow& row) {
+    return row.name == name && row.kind == EstimatorKind::kBatch;
+  });
+}
+
 bool has_models(const std::string& name) {
   for (const EstimatorRow& row : estimator_table()) {
     if (row.name == name) return row.has_models;

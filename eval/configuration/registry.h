@@ -41,6 +41,9 @@ const EstimatorRow& find_estimator(const std::string& name);
 // The name in labels and names of folders: of a Python estimator its class.
 std::string estimator_label(const std::string& name);
 
+// Whether it is a batch; of a name that a stored run states: a script is none.
+bool is_batch(const std::string& name);
+
 // EstimatorRow::has_models, of a name that a stored run states: a script is not asked, and a name
 // need not be known.
 bool has_models(const std::string& name);

@@ -85,7 +85,7 @@ std::vector<PosePair> aligned(std::vector<PosePair> pairs) {
 }
 
 std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alignment) {
-  constexpr double kFraction = 0.1, kMetre = 1.0, kAtRest = 1e-3;
+  constexpr double kFraction = 0.1, kOfExtent = 1.0 / 3.0, kMetre = 1.0, kAtRest = 1e-3;
   const auto [estimate, truth] = paths_of(after_alignment ? aligned(pairs) : pairs);
   std::vector<double> path(truth.size(), 0.0);
   double extent = 0.0;  // jitter adds to the path of a camera at rest, not to this
@@ -95,8 +95,9 @@ std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alig
   }
   for (std::size_t i = 1; i < truth.size(); ++i) {
     const double whole = extent > kAtRest ? kFraction * path.back() : kMetre;
-    const double allowed =
-        after_alignment ? whole : std::max(std::min(kMetre, whole), kFraction * path[i]);
+    const double room = extent > kAtRest ? kOfExtent * extent : kMetre;
+    const double allowed = after_alignment ? std::min(whole, room)
+                                           : std::max(std::min(kMetre, whole), kFraction * path[i]);
     if ((truth[i] - estimate[i]).norm() > allowed) return pairs[i].frame;
   }
   return std::nullopt;

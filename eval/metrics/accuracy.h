@@ -31,7 +31,9 @@ struct Accuracy {
 // The first frame of a failed estimate, if there is one: its position error is above a tenth of the
 // path so far, and above a metre or a tenth of the whole path, whichever is less.
 // `after_alignment`, where the sequence fixes no scale: above a tenth of the whole path after the
-// similarity alignment. Of a camera that stays within a millimetre, a metre is taken for both.
+// similarity alignment, or above a third of the farthest that the camera gets from where it began,
+// as an alignment makes a point of an estimate that follows no part of a path in a small room.
+// Of a camera that stays within a millimetre, a metre is taken for all.
 std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alignment);
 
 // The Sim(3) alignment of the estimated positions to the true ones.

@@ -104,9 +104,12 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
   metrics.diverged = run.diverged;
   metrics.warnings = run.warnings;
   metrics.filtered = trajectory_metrics(sequence, run.filtered);
-  if (!run.smoothed.empty()) metrics.smoothed = trajectory_metrics(sequence, run.smoothed);
+  metrics.batch = run.batch;
+  if (run.batch || !run.smoothed.empty()) {
+    metrics.smoothed = trajectory_metrics(sequence, run.smoothed);
+  }
   metrics.lagged = by_lag(sequence, run);
-  metrics.failed = failed_at(pair_with_truth(sequence, run.filtered), !sequence.exact_truth);
+  metrics.failed = failed_at(pair_with_truth(sequence, run.judged()), !sequence.exact_truth);
   judge_landmarks(sequence, run, metrics);
   metrics.classification = classification_metrics(run.classification);
   const auto per_accepted = [&](double sum) {

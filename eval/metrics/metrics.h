@@ -58,6 +58,7 @@ struct RunMetrics {
   std::optional<int> failed;  // the first frame that failed, see failed_at()
   TrajectoryMetrics filtered;
   std::optional<TrajectoryMetrics> smoothed;  // of an estimator that smooths
+  bool batch = false;                         // see RunResult
   std::map<int, TrajectoryMetrics> lagged;    // by lag, of one that keeps past poses
   Known<LandmarkErrors> landmark_errors;
   Known<LandmarkConsistency> landmark_consistency;
@@ -66,6 +67,8 @@ struct RunMetrics {
   MeasurementCounts measurements;
   RuntimeMetrics runtime;
   std::vector<MetricValue> values;
+
+  const TrajectoryMetrics& judged() const { return batch ? *smoothed : filtered; }
 };
 
 RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, double gate_probability,

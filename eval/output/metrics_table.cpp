@@ -69,7 +69,7 @@ std::string at_frame(const std::optional<int>& frame) {
   return frame ? fmt::format("frame {}", *frame) : "no";
 }
 
-// A smoother's own trajectory is a row of its own below the filtered one.
+// A smoother's own trajectory is a row of its own below the filtered one; a batch has no other.
 std::vector<TextRow> trajectory_rows(const Names& names, const std::vector<NamedMetrics>& results) {
   std::vector<TextRow> rows = {names.front()};
   add_headings(rows[0], results[0].metrics.filtered.values, results);
@@ -77,10 +77,10 @@ std::vector<TextRow> trajectory_rows(const Names& names, const std::vector<Named
   for (std::size_t i = 0; i < results.size(); ++i) {
     const RunMetrics& m = results[i].metrics;
     TextRow& row = rows.emplace_back(names[i + 1]);
-    add_numbers(row, m.filtered.values);
-    row.push_back(m.filtered.accuracy.value ? at_frame(m.failed) : "-");
+    add_numbers(row, m.judged().values);
+    row.push_back(m.judged().accuracy.value ? at_frame(m.failed) : "-");
     row.push_back(at_frame(m.diverged ? std::optional(m.diverged->frame) : std::nullopt));
-    if (!m.smoothed) continue;
+    if (!m.smoothed || m.batch) continue;
     TextRow& smoothed = rows.emplace_back(names[i + 1].size());
     smoothed.front() = "  smoothed";
     add_numbers(smoothed, m.smoothed->values);

@@ -41,11 +41,16 @@ class Run:
         """A metric by its path in metrics.json, None where it is not defined."""
         return dig(self.metrics, *path)
 
-    def value(self, key, which="filtered"):
+    @property
+    def judged(self):
+        """A batch is judged by what it is for: its filtered trajectory is its front window's."""
+        return "smoothed" if self.kind == "batch" else "filtered"
+
+    def value(self, key, which=None):
         """The value of a metric of the table, None where it is not defined."""
         metric = self.table[key]
         path = metric.path.split(".")
-        return self.metric(which, *path) if metric.of == "trajectory" else self.metric(*path)
+        return self.metric(which or self.judged, *path) if metric.of == "trajectory" else self.metric(*path)
 
     @property
     def divergence(self):
@@ -214,6 +219,7 @@ def read_run(output, entry, table, name, colour):
     folder = output / entry["folder"]
     series = in_frame_of_truth(entry.get("series") or {})
     landmarks = read_final_landmarks(folder / "landmarks.csv")
+    covariance = "pose_covariance_smoothed.csv" if entry.get("kind") == "batch" else "pose_covariance.csv"
     if "alignment" in series:
         landmarks = [(track, label, *placed(series["alignment"], p)) for track, label, *p in landmarks]
     return Run(
@@ -222,7 +228,7 @@ def read_run(output, entry, table, name, colour):
         smoothed_series=in_frame_of_truth(entry.get("smoothed_series") or {}),
         configuration=entry.get("configuration") or {},
         # What is stated of the position is not about the aligned one.
-        position_sigma={} if "alignment" in series else read_position_sigma(folder / "pose_covariance.csv"),
+        position_sigma={} if "alignment" in series else read_position_sigma(folder / covariance),
         landmarks=landmarks, labels=read_label_counts(folder / "classification.csv"))
 
 

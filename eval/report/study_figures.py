@@ -120,7 +120,7 @@ def landmark_error(plt, summary):
             else:
                 axis.text(0.5, 0.5, "none", transform=axis.transAxes, ha="center")
     return figure, ("Landmark position error", "Over all landmarks of all runs with this number of measurements: median, quartiles, "
-                    "whiskers at the 5% and 95% quantiles; logarithmic scale (thesis figures 4.2b and 4.2c).")
+                    "whiskers at the 5% and 95% quantiles; logarithmic scale (thesis figures 4.2b and 4.2c). Of a batch, those of the window in front of it.")
 
 
 def by_scenario(summary):
@@ -292,7 +292,7 @@ def anees_by_age(plt, summary):
             explain(axis, title=f'{group["name"]}: {part}', xlabel="measurements of the landmark",
                     ylabel=f"ANEES ({part})", xscale="log", yscale="log")
     return figure, ("Consistency of the landmarks by age", "NEES averaged over the landmarks of all runs with this number of measurements, "
-                    "with 95% bootstrap interval over runs (2000 resamples). A consistent estimator has 3.")
+                    "with 95% bootstrap interval over runs (2000 resamples). A consistent estimator has 3. Of a batch, the window in front of it.")
 
 
 def swept_key(summary):

@@ -117,9 +117,9 @@ def anees_text(part):
 
 
 def ideal_sigma(cell):
-    """The standard deviation of the position, root mean square over the frames."""
+    """The standard deviation of the position, root mean square over the frames: the first, a pin, has none and stands in no list."""
     sigma = [s for s in cell.get("per_frame", {}).get("position_sigma_m", []) if s is not None]
-    return math.sqrt(sum(s * s for s in sigma) / len(sigma)) if sigma else None
+    return math.sqrt(sum(s * s for s in sigma) / (len(sigma) + 1)) if sigma else None
 
 
 def summary_cells(cell):

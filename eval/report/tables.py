@@ -75,7 +75,7 @@ def summary(comparison):
             wins = run.divergence is None and value is not None and value == best[m.key]
             cells.append(Cell(metrics.text(m, value), wins))
         smoothed = None
-        if run.metric("smoothed"):
+        if run.metric("smoothed") and run.judged != "smoothed":
             smoothed = [Cell(metrics.text(m, run.value(m.key, "smoothed"))) for m in of_trajectory]
         rows.append((run, cells + [frames(run)], smoothed, len(of_run) + 1))
     return rows

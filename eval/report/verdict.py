@@ -32,7 +32,11 @@ def nees_ratio(run):
 
 
 def frame_ms(run):
-    return run.value("frame_median_ms")
+    """Of a batch with its share of the solution, which follows the last frame."""
+    ms, frames = run.value("frame_median_ms"), run.metric("coverage", "frames_done")
+    if run.kind != "batch" or ms is None or not frames:
+        return ms
+    return ms + (run.value("smoothing_ms") or 0.0) / frames
 
 
 def ranked(runs, measure):
@@ -131,7 +135,7 @@ def consistency(comparison, runs):
              if nees_ratio(run) is not None
              or run.value("nees.pose.covariances_not_positive_definite")]
     if not known:
-        reasons = {run.metric("filtered", "nees_reason") for run in runs} - {None, ""}
+        reasons = {run.metric(run.judged, "nees_reason") for run in runs} - {None, ""}
         reason = listed(sorted(reasons)) if reasons else "no run has both a covariance and a truth"
         return [("Consistency", [f"Not judged: {reason}."])]
     known.sort(key=lambda run: nees_ratio(run) or math.inf)
@@ -184,7 +188,7 @@ def cost(comparison, runs):
                      f"{slow.name} the slowest with {slowest:.3g} ms{more}."]
     rate = camera_rate(comparison)
     if rate is not None:
-        late = [run.name for value, run in rows if value > 1000.0 / rate]
+        late = [run.name for value, run in rows if value > 1000.0 / rate or run.kind == "batch"]
         sentences.append(
             f"At the camera's {rate:.3g} Hz ({1000.0 / rate:.3g} ms per frame) " +
             (f"{listed(late)} cannot run in real time." if late else "all run in real time." if len(rows) > 1

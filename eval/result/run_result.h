@@ -83,6 +83,9 @@ struct RunResult {
   std::vector<CameraEstimate> filtered;  // after each of them
   std::vector<FrameCounts> counts;       // likewise; empty when read back
   std::vector<CameraEstimate> smoothed;  // empty for a pure filter
+  // A batch is solved once, after the last frame: its result is `smoothed`, and `filtered` is that
+  // of the window in front of it.
+  bool batch = false;
   // By lag in frames: the camera so many frames ago, after each frame; velocities are not known.
   std::map<int, std::vector<CameraEstimate>> lagged;
   std::vector<LandmarkRecord> landmarks;    // every track's newest landmark, see LandmarkHistory
@@ -94,6 +97,9 @@ struct RunResult {
   FrameCounts totals;
   std::optional<Divergence> diverged;
   std::vector<RunWarning> warnings;
+
+  // What the run is judged by.
+  const std::vector<CameraEstimate>& judged() const { return batch ? smoothed : filtered; }
 };
 
 }  // namespace slammot

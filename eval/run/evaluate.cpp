@@ -61,6 +61,7 @@ StoredRun read_any(const Path& path, const Sequence& sequence, const ForeignOpti
   StoredRun stored;
   if (std::filesystem::is_directory(path)) {
     stored = read_run(path);
+    stored.run.batch = stored.own && is_batch(stored.estimator);
     if (!has_models(stored.estimator)) stored.landmark = "-";
     if (stored.own) return stored;
     convert_covariances(foreign.convention, stored.run.filtered);

@@ -162,6 +162,7 @@ EvaluatedRun run_and_evaluate(const Sequence& sequence, const Configuration& con
   EvaluatedRun done;
   done.configuration = prepared.configuration;
   done.run = drive(sequence, *prepared.estimator, options);
+  done.run.batch = is_batch(estimator);
   done.metrics =
       compute_metrics(sequence, done.run, prepared.configuration.model.gate.probability, table);
   return done;

@@ -72,7 +72,8 @@ int run_study(const Study& study, const StudyOptions& options) {
     const int task = tasks[static_cast<std::size_t>(i)];
     const StudyRun run =
         run_study_cell(study, task % cells, task / cells,
-                       [&](int done, int total) { progress.frame(task, done, total); });
+                       {.progress = [&](int done, int total) { progress.frame(task, done, total); },
+                        .check_rotation = options.check_rotation});
     journal.append(run.result, run.timing);
     progress.run(task);
   };

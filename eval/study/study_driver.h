@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "eval/run/run.h"
 #include "eval/study/study_store.h"
 
 namespace slammot {
@@ -17,7 +18,8 @@ struct StudyOptions {
   std::filesystem::path output;
   Shard shard;
   int jobs = 1;
-  bool mix = false;  // see JournalRules
+  bool mix = false;              // see JournalRules
+  CheckRotation check_rotation;  // of every run; may be empty
   // After each frame and each run, under a lock; may be empty.
   std::function<void(const StudyProgress&)> progress;
 };

@@ -7,7 +7,6 @@
 
 #include "eval/output/metrics_json.h"
 #include "eval/pooling/frame_statistics.h"
-#include "eval/run/run.h"
 #include "eval/statistics/bootstrap.h"
 #include "eval/statistics/statistics.h"
 #include "eval/study/study_figures.h"
@@ -195,7 +194,9 @@ Json result_json(const Study& study, std::uint64_t seed, const Sequence& sequenc
   json["landmarks"] = landmarks_json(samples);
   json["tracks"] = tracks_json(study, sequence, run);
   const bool first = seed == study.first_seed;
-  if (first && sequence.exact_truth && records_axes(study)) json["axes"] = axes_json(pairs);
+  if (first && sequence.exact_truth && records_axes(study)) {
+    json["axes"] = axes_json(run.batch ? smoothed : pairs);
+  }
   return json;
 }
 
@@ -209,8 +210,7 @@ Json timing_json(const RunMetrics& metrics) {
 
 }  // namespace
 
-StudyRun run_study_cell(const Study& study, int cell, int run,
-                        const std::function<void(int done, int total)>& progress) {
+StudyRun run_study_cell(const Study& study, int cell, int run, DriveOptions options) {
   const StudyCell& c = study.cells[static_cast<std::size_t>(cell)];
   const auto start = std::chrono::steady_clock::now();
   StudyRun made;
@@ -220,8 +220,6 @@ StudyRun run_study_cell(const Study& study, int cell, int run,
     const Sequence sequence =
         select_frames(study_sequence(c, study.seed(run)), c.configuration.frames.first,
                       c.configuration.frames.last, c.configuration.frames.step);
-    DriveOptions options;
-    options.progress = progress;
     options.landmarks_every_frame = !study.tracks.empty();
     const EvaluatedRun done =
         run_and_evaluate(sequence, c.configuration, c.estimator, options, study.metrics);

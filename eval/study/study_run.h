@@ -1,9 +1,9 @@
 // One run of a study, and what is kept of it.
 #pragma once
 
-#include <functional>
 #include <nlohmann/json.hpp>
 
+#include "eval/run/run.h"
 #include "eval/study/study.h"
 
 namespace slammot {
@@ -20,7 +20,6 @@ struct StudyRun {
 
 // Never throws for what the estimator does: a run that fails is recorded as diverged, with the
 // reason.
-StudyRun run_study_cell(const Study& study, int cell, int run,
-                        const std::function<void(int done, int total)>& progress = {});
+StudyRun run_study_cell(const Study& study, int cell, int run, DriveOptions options);
 
 }  // namespace slammot

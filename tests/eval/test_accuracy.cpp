@@ -114,6 +114,25 @@ TEST(Accuracy, ACameraAtRestFailsAboveAMetre) {
   EXPECT_EQ(failed_at(pairs, false), pairs.back().frame);
 }
 
+// A long path in a small room: a similarity makes a point of an estimate that follows nothing of
+// it, and its error is then no tenth of the path.
+TEST(Accuracy, AnEstimateThatFollowsNothingFailsAfterAlignment) {
+  auto pairs = pairs_of(test::straight_line(600), [](int, CameraState&) {});
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  for (PosePair& pair : pairs) {
+    const double t = 0.1 * pair.frame;
+    pair.truth.position = {std::sin(t), std::sin(1.7 * t), 0.2 * std::sin(2.3 * t)};
+    pair.estimate.state.position = pair.truth.position + Eigen::Vector3d(0.05, 0.0, 0.0);
+  }
+  EXPECT_EQ(failed_at(pairs, true), std::nullopt);
+  for (PosePair& pair : pairs) {
+    pair.estimate.state.position = Eigen::Vector3d::NullaryExpr([&] { return normal(random); });
+  }
+  EXPECT_LT(accuracy(pairs).ate_sim3, 0.1 * 60.0);
+  EXPECT_TRUE(failed_at(pairs, true));
+}
+
 TEST(PosePairs, AFrameHasItsNearestEstimateOnly) {
   const Sequence sequence = test::straight_line(3);
   std::vector<CameraEstimate> dense;

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/compare/compare.h"
+#include "eval/compare/comparison_json.h"
+#include "eval/compare/pooled.h"
 #include "eval/output/metrics_table.h"
 #include "tests/eval/fixture.h"
 
@@ -48,6 +50,37 @@ TEST(Compare, AFolderForEachRunAndOneJson) {
   const std::string table = metrics_table(results);
   EXPECT_NE(table.find("static_world"), std::string::npos);
   EXPECT_NE(table.find("position RMSE m"), std::string::npos);
+}
+
+// The window in front of a batch may be lost where the batch is not.
+TEST(Compare, ABatchIsJudgedByWhatItSmooths) {
+  const Sequence sequence = test::straight_line(40);
+  RunResult run;
+  run.batch = true;
+  for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+    CameraEstimate camera;
+    camera.timestamp = sequence.frames[i].timestamp;
+    camera.state = *sequence.truth[i];
+    camera.covariance.setIdentity();
+    run.smoothed.push_back(camera);
+    camera.state.position.y() += 100.0;
+    run.filtered.push_back(camera);
+    run.frames.push_back(static_cast<int>(i));
+  }
+  const RunMetrics metrics = compute_metrics(sequence, run, 0.95);
+  EXPECT_FALSE(metrics.failed);
+  Pool pool;
+  pool.add("batch", sequence, run, metrics);
+  const auto estimators = pool.estimators();
+  EXPECT_EQ(estimators[0]["failed"], 0);
+  EXPECT_NEAR(estimators[0]["values"]["position_rmse_m"]["value"].get<double>(), 0.0, 1e-12);
+  EXPECT_NEAR(estimators[0]["anees"]["pose"]["mean"].get<double>(), 0.0, 1e-12);
+  const auto json =
+      run_json(sequence, {"batch", "batch", "batch", false, "-", {}, {}}, run, metrics);
+  EXPECT_NEAR(json["series"]["position_error_m"][5].get<double>(), 0.0, 1e-12);
+  EXPECT_TRUE(json["smoothed_series"].is_null());
+  run.batch = false;
+  EXPECT_TRUE(compute_metrics(sequence, run, 0.95).failed);
 }
 
 TEST(Compare, MistakesAreFoundBeforeTheFirstRun) {

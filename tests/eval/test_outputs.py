@@ -142,6 +142,13 @@ class Outputs(unittest.TestCase):
         process.wait()
         self.slammot("compare", "--scenario-set", "frames=12", "--estimator", "ekf")
 
+    def test_a_comparison_that_never_began_can_be_made_again(self):
+        self.slammot("compare", "nowhere", "--output", "out", code=2)
+        self.slammot("compare", "--scenario", "nowhere", "--output", "out", code=2)
+        self.slammot("compare", "--set", "frames.first=9000", "--output", "out", code=2)
+        self.slammot("compare", self.simulated(), "--estimator", "ekf", "--output", "out")
+        self.refused("compare", self.sequence, "--estimator", "ekf", "--output", "out", reason="holds a comparison already", kept=self.folder / "out")
+
     def test_metrics_are_written_over_nothing(self):
         sequence, run, file = self.simulated(), self.folder / "run", self.folder / "metrics.json"
         self.slammot("run", sequence, "--estimator", "ekf", "--output", run)

@@ -40,10 +40,11 @@ void CellSummary::add(const Json& run) {
   }
   if (!run.contains("frames")) return;  // it never began
   if (!run.at("lost_at").is_null()) failed_.push_back({{"seed", seed}, {"frame", run["lost_at"]}});
-  const char* judged = is_batch() ? "smoothed" : "filtered";
-  const char* frames = is_batch() ? "smoothed_frames" : "frames";
+  const bool batch = is_batch(cell_.estimator);  // see RunResult
+  const char* judged = batch ? "smoothed" : "filtered";
+  const char* frames = batch ? "smoothed_frames" : "frames";
   if (run.contains(frames)) add_frames(seed, run[frames]);
-  if (run.contains("axes") && !is_batch()) axes_ = run["axes"];
+  if (run.contains("axes")) axes_ = run["axes"];
   ages_.add(run.at("landmarks"));
   tracks_.add(run.at("tracks"));
   for (const char* what : kCounts) {
@@ -60,14 +61,11 @@ void CellSummary::add(const Json& run) {
   }
 }
 
-// A batch is judged by what it is for: its filtered trajectory is its front window's.
-bool CellSummary::is_batch() const {
-  return find_estimator(cell_.estimator).kind == EstimatorKind::kBatch;
-}
-
 void CellSummary::add_frames(std::uint64_t seed, const Json& frames) {
   frames_.add(frames);
-  stated_sigma_[seed] = root_mean_square(numbers(frames.at("position_sigma_m")));
+  std::vector<double> sigmas = numbers(frames.at("position_sigma_m"));
+  sigmas.push_back(0.0);  // of the first frame, a pin: an RMSE counts it too
+  stated_sigma_[seed] = root_mean_square(sigmas);
   if (!frames.contains("nees_pose")) return;
   std::vector<double> nees = numbers(frames["nees_pose"]);
   for (double& x : nees) x = finite_or_infinite(x);
@@ -83,7 +81,7 @@ void CellSummary::add_values(Scope scope, const Json& values, const std::string&
     const bool pools = metric.pooled == Pooled::kMean || metric.pooled == Pooled::kRootMeanSquare;
     if (metric.scope != scope || !pools || !values.is_object()) continue;
     const bool of_lag = metric.key.starts_with("lag.");
-    if (of_lag && (is_batch() || !values.at("diverged").is_null())) continue;
+    if (of_lag && (is_batch(cell_.estimator) || !values.at("diverged").is_null())) continue;
     const auto value = values.find(metric.key);
     if (value == values.end() || !value->is_number()) continue;
     Scalar& scalar = scalars_[prefix + metric.key];
@@ -138,18 +136,20 @@ Json CellSummary::json() const {
   for (const auto& [key, value] : key_values(configuration)) {
     json["configuration"][key] = value;
   }
-  if (frames_.empty()) return json;  // no run began
+  if (coverage_.empty()) return json;  // no run began
   for (const auto& [key, scalar] : scalars_) {
     json[key] = json_of(pool(scalar.samples, scalar.pooled));
   }
-  json["anees"] = frames_.anees();
   if (!run_nees_.empty()) json["nees_by_run"] = nees_by_run();
   for (const auto& [what, counts] : counts_) json[what] = counts;
   json["coverage"] = coverage_;
   json["timing"] = Json::object();
   for (const auto& [key, samples] : timing_) json["timing"][key] = median(samples);
   json["timing"]["stages_ms"] = stages_;
-  json["per_frame"] = frames_.per_frame();
+  if (!frames_.empty()) {
+    json["anees"] = frames_.anees();
+    json["per_frame"] = frames_.per_frame();
+  }
   if (!axes_.is_null()) json["axes"] = axes_;
   json["by_age"] = ages_.json();
   json["tracks"] = tracks_.json();

@@ -33,7 +33,6 @@ class CellSummary {
   };
   void add_frames(std::uint64_t seed, const nlohmann::ordered_json& frames);
   nlohmann::ordered_json nees_by_run() const;
-  bool is_batch() const;
   void add_values(Scope scope, const nlohmann::ordered_json& values, const std::string& prefix);
 
   const StudyCell& cell_;
