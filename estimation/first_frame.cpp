@@ -30,7 +30,7 @@ void FirstFrame::begin(const Frame& frame) {
 
 bool FirstFrame::revise(const TrackRecords& records) {
   if (!is_open_) return false;
-  if (decided_) return drop_most_rejected(records);
+  if (decided_) return drop_accused() || drop_most_rejected(records);
   if (std::ssize(frames_) < options_.start) return false;
   decide(records);
   return true;
@@ -51,6 +51,13 @@ void FirstFrame::decide(const TrackRecords& records) {
     not_static_.insert(z.track);
   }
   if (2 * moving > there) not_static_.clear();
+}
+
+bool FirstFrame::drop_accused() {
+  if (!accused_) return false;
+  not_static_.insert(*accused_);
+  accused_.reset();
+  return true;
 }
 
 bool FirstFrame::drop_most_rejected(const TrackRecords& records) {

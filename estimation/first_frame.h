@@ -7,10 +7,13 @@
 // `odds` decides about them together, before anything is frozen. In the first `start` frames they
 // are unknown. Then those taken for moving, or no longer there, stay unknown and all others are
 // static, since most of a scene is; and the frames so far are processed again with these labels.
-// Until `start_over` frames have passed, the label that is rejected most clearly (label_policy.h)
-// is dropped and the frames are processed again, so that nothing a wrong label did to the camera
-// stays. One at a time: a wrong label makes right ones look wrong. If most landmarks look moving,
-// then the camera's motion is believed wrongly, and all count as static.
+// Until `start_over` frames have passed, the label that is most surely wrong is dropped and the
+// frames are processed again, so that nothing a wrong label did to the camera stays. It is that of
+// the landmark whose remembered motion (LabelOptions::memory) is the farthest from rest, if the
+// classifier calls it moving or its innovations reject it; where no motion is remembered, the one
+// that its innovations reject most clearly (label_policy.h). One at a time: a wrong label makes
+// right ones look wrong. If most landmarks look moving, then the camera's motion is believed
+// wrongly, and all count as static.
 #pragma once
 
 #include <set>
@@ -33,6 +36,9 @@ class FirstFrame {
   // The frame that decided label(); by default `birth`.
   int decision_frame(int birth) const { return decided_.value_or(birth); }
 
+  // What revise() takes back next, if anything: the surest by its remembered motion.
+  void accuse(std::optional<int> track) { accused_ = track; }
+
   // Whether it is for revise() to take this label back.
   bool holds(const TrackRecord& record) const;
 
@@ -44,6 +50,7 @@ class FirstFrame {
   std::span<const Frame> frames() const { return frames_; }
 
  private:
+  bool drop_accused();
   bool drop_most_rejected(const TrackRecords& records);
   void decide(const TrackRecords& records);
 
@@ -51,6 +58,7 @@ class FirstFrame {
   bool is_open_;
   bool is_asked_ = false;
   std::optional<int> decided_;  // frame index
+  std::optional<int> accused_;
   std::set<int> not_static_;
   std::vector<Frame> frames_;
 };

@@ -105,14 +105,14 @@ void LandmarkManager::revert_labels(std::span<const Observation> measured, Belie
   tracks_.clear();
   for (const Observation& z : measured) {
     const TrackRecord& record = records_.at(z.track);
-    if (record.label == Label::kStatic && !first_.holds(record)) tracks_.push_back(z.track);
+    if (record.label == Label::kStatic) tracks_.push_back(z.track);
   }
   belief.held_motions(tracks_, motions_);
   for (const int track : tracks_) {
     TrackRecord& record = records_.at(track);
     const bool is_remembered =
         std::ranges::find(motions_, track, &MotionBelief::track) != motions_.end();
-    if (is_remembered || !is_rejected(record, models_.labels)) continue;
+    if (is_remembered || first_.holds(record) || !is_rejected(record, models_.labels)) continue;
     note_reverted(record);
     belief.free(track, record.prior);
   }
@@ -125,6 +125,7 @@ void LandmarkManager::revert_labels(std::span<const Observation> measured, Belie
 void LandmarkManager::release_what_moved(Belief& belief) {
   double surest = 0.0;
   TrackRecord* released = nullptr;
+  first_.accuse(std::nullopt);
   for (MotionBelief& motion : motions_) {
     TrackRecord& record = records_.at(motion.track);
     const double distance = mahalanobis_from_zero(motion.w, motion.covariance);
@@ -134,6 +135,7 @@ void LandmarkManager::release_what_moved(Belief& belief) {
     released = &record;
   }
   if (released == nullptr) return;
+  if (first_.holds(*released)) return first_.accuse(released->track);
   note_reverted(*released);
   belief.release(released->track, released->prior);
 }
@@ -226,12 +228,17 @@ void LandmarkManager::initialise_new(const Frame& frame, Belief& belief, FrameRe
   const LandmarkPrior& prior = depth_prior_.of_new();
   const auto room = room_for(static_cast<int>(records_.size()), report.accepted, models_.policy);
   if (unmatched_.size() > room) unmatched_.resize(room);
+  tracks_.clear();
   for (const Observation& z : unmatched_) {
     TrackRecord record = record_at_birth(z.track, frame.index, prior);
-    if (!belief.add(z, prior, record.label != Label::kStatic)) continue;
+    // A label that revise() may take back: its motion is remembered from the start.
+    const bool remembers = first_.holds(record) && motion_memory(models_, functions_) > 0;
+    if (!belief.add(z, prior, record.label != Label::kStatic || remembers)) continue;
+    if (remembers) tracks_.push_back(z.track);
     records_[z.track] = std::move(record);
     ++report.admitted;
   }
+  if (!tracks_.empty()) belief.collapse(tracks_);
 }
 
 std::vector<LandmarkEstimate> LandmarkManager::estimates(std::span<const int> tracks,

@@ -1,0 +1,164 @@
+// A belief that is told what to say, and writes down what it is asked.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "estimation/belief.h"
+
+namespace slammot::test {
+
+// A landmark of the fake: free or not, and what is believed of it.
+struct FakeLandmark {
+  bool is_free = false;
+  double error = 0.0;  // of its pixel, [sigma of the innovation]
+  double speed = 0.0;  // believed [m/s]
+  double speed_sigma = 1.0;
+  double leave_one_out = 0.0;
+  bool in_view = true;
+};
+
+// Remembers the motion of the landmarks in `remembered`; of all that collapse, when told so.
+class FakeBelief final : public Belief {
+ public:
+  explicit FakeBelief(std::vector<std::string>& calls) : calls_(calls) {}
+
+  void predict(const Frame& frame, double dt, const TrackRecords& /*records*/) override {
+    call("predict");
+    camera_.timestamp = frame.timestamp;
+    last_dt = dt;
+  }
+  void add_known(const KnownLandmark& known) override {
+    call("add_known");
+    state[known.track];
+  }
+  void innovations(std::span<const Observation> measured, FrameInnovation& result) override {
+    call("innovations");
+    result.z.clear();
+    result.nu.clear();
+    for (const Observation& z : measured) {
+      if (!state.at(z.track).in_view) continue;
+      result.z.push_back(z);
+      result.nu.emplace_back(state.at(z.track).error, 0.0);
+    }
+    const Eigen::Index size = 2 * std::ssize(result.z);
+    result.HPHt.resize(size, size);
+    (*result.HPHt).setZero();
+  }
+  void update(const TrackRecords&, std::span<const Observation> accepted, StageListener&) override {
+    call("update");
+    used.clear();
+    for (const Observation& z : accepted) used.push_back(z.track);
+  }
+  void leave_one_out(std::vector<LeaveOneOut>& result) override {
+    call("leave_one_out");
+    result.clear();
+    for (const int track : used) result.push_back({track, state.at(track).leave_one_out});
+  }
+  void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override {
+    call("inverse_depths");
+    result.assign(tracks.size(), {0.5, 0.001});
+  }
+  void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override {
+    call("motions");
+    asked.assign(tracks.begin(), tracks.end());
+    result.clear();
+    for (const int track : tracks) {
+      MotionBelief motion;
+      motion.track = track;
+      motion.w = Eigen::Vector3d::UnitX() * state.at(track).speed;
+      const double sigma = state.at(track).speed_sigma;
+      motion.covariance = sigma * sigma * Eigen::Matrix3d::Identity();
+      result.push_back(motion);
+    }
+  }
+  void collapse(std::span<const int> tracks) override {
+    call("collapse");
+    for (const int track : tracks) {
+      state.at(track).is_free = false;
+      if (remembers_all) remembered.insert(track);
+    }
+  }
+  void held_motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override {
+    result.clear();
+    for (const int track : tracks) {
+      if (!remembered.contains(track)) continue;
+      MotionBelief& motion = result.emplace_back();
+      motion.track = track;
+      motion.w = 0.1 * track * Eigen::Vector3d::UnitX();
+      motion.covariance = Eigen::Matrix3d::Identity();
+    }
+  }
+  void release(int track, const LandmarkPrior&) override {
+    call("release");
+    state.at(track).is_free = true;
+    remembered.erase(track);
+  }
+  void free(int track, const LandmarkPrior&) override {
+    call("free");
+    state.at(track).is_free = true;
+  }
+  void remove(std::span<const int> tracks, const TrackRecords& records) override {
+    call("remove");
+    for (const int track : tracks) {
+      EXPECT_TRUE(records.contains(track));
+      state.erase(track);
+    }
+  }
+  bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override {
+    call("add");
+    if (z.track == kNoRay) return false;
+    newest_prior = prior;
+    state[z.track].is_free = is_free;
+    return true;
+  }
+  void add_seen(std::span<const Candidate> candidates, std::vector<int>& refused) override {
+    refused.clear();
+    for (const Candidate& candidate : candidates) {
+      call("add_seen");
+      sightings = candidate.sightings;
+      if (candidate.track == kRefused) {
+        refused.push_back(candidate.track);
+      } else {
+        state[candidate.track].is_free = candidate.is_free();
+      }
+    }
+  }
+  void finish() override { call("finish"); }
+  int state_size() const override { return static_cast<int>(state.size()); }
+  CameraEstimate camera() const override { return camera_; }
+  void points(std::vector<LandmarkPoint>& result) override {
+    result.clear();
+    for (const auto& [track, l] : state) {
+      result.push_back({track, Eigen::Vector3d::Zero(), {0.0, 0.0, l.in_view ? 0.5 : -0.5}});
+    }
+  }
+  std::vector<LandmarkBelief> landmarks(std::span<const int> tracks) const override {
+    LandmarkBelief belief;
+    belief.anchor.setZero();
+    belief.y = {0.0, 0.0, 0.5};
+    belief.covariance = Eigen::MatrixXd::Identity(6, 6);
+    return std::vector<LandmarkBelief>(tracks.size(), belief);
+  }
+
+  static constexpr int kNoRay = 99, kRefused = 98;
+  std::vector<Sighting> sightings;
+  std::map<int, FakeLandmark> state;
+  std::vector<int> used, asked;
+  std::set<int> remembered;  // landmarks whose held motion is
+  bool remembers_all = false;
+  LandmarkPrior newest_prior;
+  double last_dt = -1.0;
+
+ private:
+  void call(const char* name) { calls_.emplace_back(name); }
+
+  std::vector<std::string>& calls_;
+  CameraEstimate camera_;
+};
+
+}  // namespace slammot::test
