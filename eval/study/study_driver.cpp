@@ -1,9 +1,7 @@
 #include "eval/study/study_driver.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <atomic>
+#include <future>
 #include <map>
 #include <mutex>
 
@@ -77,14 +75,21 @@ int run_study(const Study& study, const StudyOptions& options) {
     journal.append(run.result, run.timing);
     progress.run(task);
   };
-  // One run is one task, taken in order by whichever thread is free.
+  // One run is one task, taken in order by whichever thread is free. After an error nobody begins.
   std::atomic<int> next = 0;
-  tbb::task_arena arena(options.jobs);
-  arena.execute([&] {
-    tbb::parallel_for(0, options.jobs, [&](int) {
+  const auto work = [&] {
+    try {
       for (int i = next++; i < count; i = next++) one(i);
-    });
-  });
+    } catch (...) {
+      next = count;
+      throw;
+    }
+  };
+  std::vector<std::future<void>> workers;
+  for (int job = 0; job < options.jobs; ++job) {
+    workers.push_back(std::async(std::launch::async, work));
+  }
+  for (std::future<void>& worker : workers) worker.get();
   return count;
 }
 
