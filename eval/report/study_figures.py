@@ -6,7 +6,7 @@ import lags
 import metrics
 from comparison import RUN_COLOURS, BadInput
 from study_axes import around, expected, explain, finite, grid, legend_above, pyplot
-from study_tables import error_name, error_of, estimators_of, is_batch, is_ideal, plain, value_of
+from study_tables import error_name, error_of, estimators_of, frame_ms, is_ideal, plain, value_of
 
 FEWEST = 3  # landmarks that make a box
 
@@ -202,14 +202,11 @@ def velocity(plt, summary):
 
 
 def cost_points(accuracy, consistency, cell, style):
-    """A cell's RMSE with its interval, and its ANEES, against its time, where they are defined. A batch has its smoothed values and the
-    time of its solution, divided by the frames: its filtered ones are those of its front window."""
+    """A cell's RMSE with its interval, and its ANEES, against its time, where they are defined."""
     rmse = error_of(cell)
     if not rmse or rmse["value"] is None:
         return
-    batch = is_batch(cell)
-    value, low = rmse["value"], rmse["lower"]
-    ms = cell["timing"]["frame_median_ms"] + cell["timing"]["smoothing_ms"] * batch / len(cell["per_frame"]["frame"])
+    value, low, ms = rmse["value"], rmse["lower"], frame_ms(cell)
     error = None if low is None else [[value - low], [rmse["upper"] - value]]
     accuracy.errorbar(ms, value, yerr=error, fmt="o", **style)
     mean = cell["anees"].get("pose", {}).get("mean")
