@@ -123,12 +123,9 @@ def ideal_sigma(cell):
 
 
 def frame_ms(cell):
-    """Median time of a frame; of a batch with its share of the solution, which follows the last frame."""
-    timing, frames = cell.get("timing", {}), cell.get("coverage", {}).get("frames_done")
+    timing = cell.get("timing", {})
     ms = timing.get("frame_median_ms")
-    if not is_batch(cell) or ms is None or not frames:
-        return ms
-    return ms + timing["smoothing_ms"] * cell["runs"] / frames
+    return metrics.with_solution(ms, timing.get("smoothing_ms"), cell.get("coverage", {}).get("frames_done", 0) / cell["runs"]) if is_batch(cell) else ms
 
 
 def summary_cells(cell):

@@ -4,6 +4,8 @@ One run of each estimator is a description and no proof of a difference.
 """
 import math
 
+from metrics import with_solution
+
 SAME = 0.03  # a relative difference below this is not reported
 
 # Mean NEES over its degrees of freedom, over the frames of a run: what to call it.
@@ -32,11 +34,8 @@ def nees_ratio(run):
 
 
 def frame_ms(run):
-    """Of a batch with its share of the solution, which follows the last frame."""
-    ms, frames = run.value("frame_median_ms"), run.metric("coverage", "frames_done")
-    if run.kind != "batch" or ms is None or not frames:
-        return ms
-    return ms + (run.value("smoothing_ms") or 0.0) / frames
+    ms = run.value("frame_median_ms")
+    return with_solution(ms, run.value("smoothing_ms"), run.metric("coverage", "frames_done")) if run.kind == "batch" else ms
 
 
 def ranked(runs, measure):
