@@ -136,7 +136,10 @@ void Ekf::motions(std::span<const int> tracks, std::vector<MotionBelief>& result
 }
 
 void Ekf::collapse(std::span<const int> tracks) {
-  if (condition_) condition_on_rest(tracks);
+  if (condition_) {
+    linearisation_.collapse(state_, tracks);
+    condition_on_rest(tracks);
+  }
   for (const int track : tracks) state_.drop_motion(track);  // unless it is held
 }
 

@@ -110,6 +110,15 @@ Eigen::Matrix3d turned(const PointFunctions& point, const Eigen::Vector3d& y) {
   return -J.leftCols<3>() * hat(ray.direction);
 }
 
+// The rows of B, of a w (velocity, acceleration: each three numbers turn with the world) at `from`
+// that is expressed at `to`.
+void turn_motion(StateBlock w, const MotionVector& from, const MotionVector& to,
+                 Eigen::MatrixXd& B) {
+  for (int k = 0; k + 3 <= w.dim; k += 3) {
+    B.middleRows<3>(w.offset + k) = hat(Eigen::Vector3d((from - to).segment<3>(k)));
+  }
+}
+
 // A turn c of the world moves what stands at p by c x p = -hat(p) c. With errors e = dp - c x p, c
 // = R dtheta, an update only moves the estimate and leaves their covariance. In our coordinates
 // that is dp := dp + (hat(p) - hat(p+)) c for every block, and its like for directions; dtheta
@@ -128,10 +137,7 @@ void invariant_reset(const PointFunctions& point, const JointState& before, Join
   for (const auto& [track, landmark] : after.landmarks) {
     const FilterLandmark& old = before.landmarks.at(track);
     B.middleRows<3>(landmark.y_block.offset) = turned(point, landmark.y) - turned(point, old.y);
-    // Velocity, acceleration: each three numbers of w turn with the world.
-    for (int k = 0; k + 3 <= landmark.w_block.dim; k += 3) {
-      moved(landmark.w_block.offset + k, old.w.segment<3>(k), landmark.w.segment<3>(k));
-    }
+    if (landmark.is_free()) turn_motion(landmark.w_block, old.w, landmark.w, B);
   }
   const Eigen::Matrix3d R = before.camera.orientation.toRotationMatrix();
   P.add_dependence({kRotation, 3}, B * R);
@@ -139,6 +145,16 @@ void invariant_reset(const PointFunctions& point, const JointState& before, Join
 }
 
 }  // namespace
+
+void Linearisation::collapse(JointState& state, std::span<const int> tracks) const {
+  if (kind_ != Kind::kInvariant) return;
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(state.covariance.size(), 3);
+  for (const int track : tracks) {
+    const FilterLandmark& landmark = state.landmarks.at(track);
+    turn_motion(landmark.w_block, landmark.w, MotionVector::Zero(landmark.w.size()), B);
+  }
+  state.covariance.add_dependence({kRotation, 3}, B * state.camera.orientation.toRotationMatrix());
+}
 
 void Linearisation::correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx) const {
   if (kind_ == Kind::kStandard) {

@@ -20,6 +20,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <span>
 
 #include "filters/covariance/joint_state.h"
 #include "filters/ekf_options.h"
@@ -57,6 +58,10 @@ class Linearisation {
                     const NewLandmark& here);
   NewKnownLandmark known_birth(const JointState& state, const KnownLandmark& known, int frame,
                                const NewKnownLandmark& here);
+
+  // w = 0 is about to be used as a measurement. `invariant`: a turn of the world leaves 0 where it
+  // is, so the errors of w are expressed there. Elsewhere w = 0 would seem to tell the heading.
+  void collapse(JointState& state, std::span<const int> tracks) const;
 
   // x := x [+] dx after an update or a collapse. Only `standard` re-expresses P at the new
   // estimate: elsewhere its coordinates are those of the fixed points.
