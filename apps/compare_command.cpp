@@ -12,6 +12,7 @@
 #include "apps/support/sequence_source.h"
 #include "apps/support/usage.h"
 #include "apps/support/writable.h"
+#include "datasets/output/file_lock.h"
 #include "datasets/output/output_files.h"
 #include "datasets/output/output_folder.h"
 #include "datasets/readers/reader.h"
@@ -90,13 +91,17 @@ void say_what_is_wrong(const std::vector<NamedMetrics>& results) {
 }
 
 // Everything that will be written into, before anything is. The mark comes first: what a comparison
-// that ended before its first run leaves is replaced, and any other with --force.
-void claim(const CompareArguments& arguments, const std::filesystem::path& output,
-           const std::vector<ComparedRun>& runs) {
+// that ended before its first run leaves is replaced, and any other with --force. No other process
+// may write there while the lock lives.
+std::unique_ptr<FileLock> claim(const CompareArguments& arguments,
+                                const std::filesystem::path& output,
+                                const std::vector<ComparedRun>& runs) {
   const bool replace = arguments.force || arguments.output.empty();
   const auto mark = output / kComparisonOutput.mark;
   const std::string begun = std::string(kComparisonOutput.begins) + ",\n \"runs\": []\n}\n";
   const bool unfinished = std::filesystem::exists(mark) && read_text_file(mark) == begun;
+  std::unique_ptr<FileLock> lock;
+  if (unfinished) lock = std::make_unique<FileLock>(mark);
   const std::filesystem::path& input = arguments.sequence;
   require_output(output, kComparisonOutput, replace || unfinished, input);
   if (input.empty()) require_output(output / kSequence, kSequenceOutput, replace || unfinished);
@@ -108,6 +113,7 @@ void claim(const CompareArguments& arguments, const std::filesystem::path& outpu
   require_writable_folder(output);
   std::filesystem::create_directories(output);
   if (!std::filesystem::exists(mark)) write_file(mark, begun);
+  return lock ? std::move(lock) : std::make_unique<FileLock>(mark);
 }
 
 int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path& output) {
@@ -137,7 +143,7 @@ int execute(CompareArguments arguments) {
   if (arguments.scenario.scenario.empty()) arguments.scenario.scenario = "circle";
   const std::filesystem::path output = output_folder(arguments);
   const auto runs = crossed(arguments.estimators, landmarks);
-  claim(arguments, output, runs);
+  const auto lock = claim(arguments, output, runs);
   const Sequence sequence = selected(obtain(arguments, output), configuration.frames);
   if (arguments.pictures && sequence.images.empty()) {
     throw InputError(sequence.folder, 0, "--pictures: frames.csv names no images");

@@ -63,8 +63,8 @@ int execute(const RunArguments& arguments) {
     fmt::print(stderr, "slammot: warning: from frame {}: {}\n", w.frame, w.reason);
   }
   if (metrics.failed) {
-    fmt::print(stderr, "slammot: failed at frame {}: the error exceeds a tenth of the path\n",
-               *metrics.failed);
+    fmt::print(stderr, "slammot: failed at frame {}: the error exceeds {}\n", *metrics.failed,
+               failure_bound(!sequence.exact_truth));
   }
   if (!run.diverged) return 0;
   fmt::print(stderr, "slammot: diverged at frame {}: {}\n", run.diverged->frame,

@@ -14,7 +14,7 @@ Label FirstFrame::label(int track) {
 }
 
 bool FirstFrame::holds(const TrackRecord& record) const {
-  return is_open_ && decided_ && record.label == Label::kStatic && !record.known &&
+  return is_open_ && is_asked_ && decided_ && record.label == Label::kStatic && !record.known &&
          record.first_frame == frames_.front().index && !not_static_.contains(record.track);
 }
 
@@ -30,7 +30,7 @@ void FirstFrame::begin(const Frame& frame) {
 
 bool FirstFrame::revise(const TrackRecords& records) {
   if (!is_open_) return false;
-  if (decided_) return drop_accused() || drop_most_rejected(records);
+  if (decided_) return drop_accused();
   if (std::ssize(frames_) < options_.start) return false;
   decide(records);
   return true;
@@ -57,17 +57,6 @@ bool FirstFrame::drop_accused() {
   if (!accused_) return false;
   not_static_.insert(*accused_);
   accused_.reset();
-  return true;
-}
-
-bool FirstFrame::drop_most_rejected(const TrackRecords& records) {
-  const TrackRecord* worst = nullptr;
-  for (const auto& [track, record] : records) {
-    if (!holds(record) || !is_rejected(record, options_)) continue;
-    if (worst == nullptr || log_tail(record) < log_tail(*worst)) worst = &record;
-  }
-  if (worst == nullptr) return false;
-  not_static_.insert(worst->track);
   return true;
 }
 

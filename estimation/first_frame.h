@@ -36,7 +36,7 @@ class FirstFrame {
   // The frame that decided label(); by default `birth`.
   int decision_frame(int birth) const { return decided_.value_or(birth); }
 
-  // What revise() takes back next, if anything: the surest by its remembered motion.
+  // What revise() takes back next, if anything: the label that is most surely wrong.
   void accuse(std::optional<int> track) { accused_ = track; }
 
   // Whether it is for revise() to take this label back.
@@ -51,7 +51,6 @@ class FirstFrame {
 
  private:
   bool drop_accused();
-  bool drop_most_rejected(const TrackRecords& records);
   void decide(const TrackRecords& records);
 
   LabelOptions options_;

@@ -32,6 +32,12 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
     throw std::invalid_argument(
         "ekf.lag needs linearisation standard or ideal, and no ekf.deferred");
   }
+  if (options.delayed && options.linearisation == FilterLinearisation::kInvariant) {
+    throw std::invalid_argument(
+        "ekf.linearisation invariant cannot go with estimator delayed, whose pending landmarks "
+        "move "
+        "alone");
+  }
   const bool is_standard = options.linearisation == FilterLinearisation::kStandard;
   if (models.policy.probation > 1 && (options.deferred || !is_standard)) {
     throw std::invalid_argument(

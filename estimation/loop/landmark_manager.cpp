@@ -102,6 +102,7 @@ const std::vector<int>& LandmarkManager::classify(int frame, std::span<const Obs
 
 // Only a landmark that was measured in this frame: nothing else can have been said against it.
 void LandmarkManager::revert_labels(std::span<const Observation> measured, Belief& belief) {
+  const TrackRecord* accused = nullptr;  // of the first frame, with no motion remembered
   tracks_.clear();
   for (const Observation& z : measured) {
     const TrackRecord& record = records_.at(z.track);
@@ -112,10 +113,15 @@ void LandmarkManager::revert_labels(std::span<const Observation> measured, Belie
     TrackRecord& record = records_.at(track);
     const bool is_remembered =
         std::ranges::find(motions_, track, &MotionBelief::track) != motions_.end();
-    if (is_remembered || first_.holds(record) || !is_rejected(record, models_.labels)) continue;
+    if (is_remembered || !is_rejected(record, models_.labels)) continue;
+    if (first_.holds(record)) {
+      if (accused == nullptr || log_tail(record) < log_tail(*accused)) accused = &record;
+      continue;
+    }
     note_reverted(record);
     belief.free(track, record.prior);
   }
+  first_.accuse(accused == nullptr ? std::nullopt : std::optional(accused->track));
   release_what_moved(belief);
 }
 
@@ -125,7 +131,6 @@ void LandmarkManager::revert_labels(std::span<const Observation> measured, Belie
 void LandmarkManager::release_what_moved(Belief& belief) {
   double surest = 0.0;
   TrackRecord* released = nullptr;
-  first_.accuse(std::nullopt);
   for (MotionBelief& motion : motions_) {
     TrackRecord& record = records_.at(motion.track);
     const double distance = mahalanobis_from_zero(motion.w, motion.covariance);

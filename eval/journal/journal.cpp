@@ -160,14 +160,6 @@ void Journal::fail() const {
   throw std::runtime_error(fmt::format("{}: {}", file_.string(), std::strerror(errno)));
 }
 
-void Journal::lock() {
-  descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (descriptor_ < 0) fail();
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-  if (errno != EWOULDBLOCK) fail();
-  throw std::invalid_argument(file_.string() + ": another process is at work on it");
-}
-
 // Of two processes that begin at once, each with its own journal locked, one at least sees the
 // other.
 void Journal::require_no_other_division() const {
@@ -184,17 +176,11 @@ void Journal::require_no_other_division() const {
 }
 
 Journal::Journal(const fs::path& folder, const std::string& name, const JournalIdentity& identity)
-    : file_(folder / name) {
-  try {
-    open(identity);
-  } catch (...) {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    throw;
-  }
+    : file_(folder / name), lock_(file_) {
+  open(identity);
 }
 
 void Journal::open(const JournalIdentity& identity) {
-  lock();
   require_no_other_division();
   std::streamoff whole = 0;
   std::string head;  // the last one
@@ -202,12 +188,10 @@ void Journal::open(const JournalIdentity& identity) {
     if (line.starts_with("{\"journal\"")) head = line;
     whole = offset + static_cast<std::streamoff>(line.size()) + 1;
   });
-  if (::ftruncate(descriptor_, whole) != 0) fail();
+  if (::ftruncate(lock_.descriptor(), whole) != 0) fail();
   const std::string mine = json_of(identity).dump();
   if (head != mine) head_ = mine + '\n';
 }
-
-Journal::~Journal() { ::close(descriptor_); }
 
 // A line that cannot be written whole, as on a full device, leaves nothing behind: others may
 // follow it.
@@ -216,20 +200,20 @@ void Journal::append(const Json& result, const Json& timing) {
       -1, ' ', false, Json::error_handler_t::replace);
   const std::lock_guard lock(mutex_);
   const std::string line = head_ + run + '\n';
-  const off_t before = ::lseek(descriptor_, 0, SEEK_END);
+  const off_t before = ::lseek(lock_.descriptor(), 0, SEEK_END);
   if (before < 0) fail();
   for (std::size_t written = 0; written < line.size();) {
-    const ssize_t n = ::write(descriptor_, line.data() + written, line.size() - written);
+    const ssize_t n = ::write(lock_.descriptor(), line.data() + written, line.size() - written);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) {
       const int error = errno;
-      [[maybe_unused]] const int cut = ::ftruncate(descriptor_, before);
+      [[maybe_unused]] const int cut = ::ftruncate(lock_.descriptor(), before);
       errno = error;
       fail();
     }
     written += static_cast<std::size_t>(n);
   }
-  if (::fdatasync(descriptor_) != 0) fail();
+  if (::fdatasync(lock_.descriptor()) != 0) fail();
   head_.clear();
 }
 

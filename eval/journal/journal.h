@@ -15,6 +15,8 @@
 #include <string>
 #include <utility>
 
+#include "datasets/output/file_lock.h"
+
 namespace slammot {
 
 // What runs depend on. `program`: SHA-256 of the program's file. `configuration`: SHA-256 of all
@@ -59,20 +61,16 @@ class Journal {
   // written.
   Journal(const std::filesystem::path& folder, const std::string& name,
           const JournalIdentity& identity);
-  ~Journal();
-  Journal(const Journal&) = delete;
-  Journal& operator=(const Journal&) = delete;
 
   void append(const nlohmann::ordered_json& result, const nlohmann::ordered_json& timing);
 
  private:
   void open(const JournalIdentity& identity);
-  void lock();
   void require_no_other_division() const;
   [[noreturn]] void fail() const;
 
   std::filesystem::path file_;
-  int descriptor_ = -1;
+  FileLock lock_;
   std::string head_;  // written with the first run, if this program's does not stand there yet
   std::mutex mutex_;
 };

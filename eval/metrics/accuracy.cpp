@@ -103,6 +103,11 @@ std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alig
   return std::nullopt;
 }
 
+std::string failure_bound(bool after_alignment) {
+  return after_alignment ? "a tenth of the path or a third of its extent, after alignment"
+                         : "a tenth of the path";
+}
+
 Accuracy accuracy(const std::vector<PosePair>& pairs, double relative_interval) {
   std::vector<double> positions, rotations;
   for (const PosePair& pair : pairs) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "eval/metrics/alignment.h"
@@ -35,6 +36,9 @@ struct Accuracy {
 // as an alignment makes a point of an estimate that follows no part of a path in a small room.
 // Of a camera that stays within a millimetre, a metre is taken for all.
 std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alignment);
+
+// The same in words: what the error of a failed run exceeds.
+std::string failure_bound(bool after_alignment);
 
 // The Sim(3) alignment of the estimated positions to the true ones.
 Similarity similarity(const std::vector<PosePair>& pairs);

@@ -359,7 +359,8 @@ MetricTable runtime_rows() {
   const Metric size =
       neither(row("state_size_median", "", "state size", "median size of the state vector",
                   Pooled::kNot, 0, &R::state_size_median));
-  return {on_terminal(row("frame_median_ms", "ms", "time per frame", "median time of a frame",
+  return {on_terminal(row("frame_median_ms", "ms", "time per frame",
+                          "median time of a frame; of a batch with its share of the solution",
                           kClock, 2, &R::frame_median_ms)),
           row("frame_p95_ms", "ms", "time per frame, 95%", "95% quantile of the time of a frame",
               Pooled::kNot, 2, &R::frame_p95_ms),

@@ -21,6 +21,10 @@ bool all_have_covariances(const std::vector<PosePair>& pairs) {
 TrajectoryMetrics trajectory_metrics(const Sequence& sequence,
                                      const std::vector<CameraEstimate>& estimates) {
   TrajectoryMetrics metrics;
+  if (estimates.empty()) {
+    metrics.accuracy.reason = metrics.consistency.reason = "no pose was estimated";
+    return metrics;
+  }
   const std::vector<PosePair> pairs = pair_with_truth(sequence, estimates);
   if (pairs.empty()) {
     metrics.accuracy.reason = metrics.consistency.reason = "no true pose";
@@ -108,7 +112,7 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
   if (run.batch || !run.smoothed.empty()) {
     metrics.smoothed = trajectory_metrics(sequence, run.smoothed);
   }
-  metrics.lagged = by_lag(sequence, run);
+  if (!run.batch) metrics.lagged = by_lag(sequence, run);  // of a batch: its front window's
   metrics.failed = failed_at(pair_with_truth(sequence, run.judged()), !sequence.exact_truth);
   judge_landmarks(sequence, run, metrics);
   metrics.classification = classification_metrics(run.classification);
@@ -119,7 +123,7 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
   metrics.nis.joint_mean = per_accepted(run.totals.joint_nis);
   metrics.nis.expected = gated_mean(gate_probability, metrics.nis.dof);
   metrics.measurements = measurement_counts(run);
-  metrics.runtime = runtime_metrics(run.timing, run.smoothing_ms);
+  metrics.runtime = runtime_metrics(run.timing, run.smoothing_ms, run.batch);
   evaluate_table(table, sequence, run, metrics);
   return metrics;
 }

@@ -135,8 +135,9 @@ std::string metrics_table(const std::vector<NamedMetrics>& results) {
   if (of_runs.size() > 1) text += "\n" + aligned(of_runs, left);
   return text +
          "In parentheses: the mean of a consistent estimator; the gate cuts off the tail of the "
-         "NIS. r/w/u: right, wrong, undecided.\nFailed: the error exceeds a tenth of the path. "
-         "NEES of one run is a mean over correlated frames.\n";
+         "NIS. r/w/u: right, wrong, undecided.\nFailed: the error exceeds a tenth of the path; "
+         "after alignment, or a third of its extent. NEES of one run is a mean over correlated "
+         "frames.\n";
 }
 
 }  // namespace slammot

@@ -48,8 +48,3 @@ def best(metric, values, expected):
     if metric.better == "expected":
         return min(values, key=lambda value: abs(value - expected)) if expected is not None else None
     return min(values) if metric.better == "smaller" else max(values)
-
-
-def with_solution(ms, smoothing_ms, frames):
-    """The median time of a batch's frame with its share of the solution, which follows the last frame."""
-    return ms + smoothing_ms / frames if ms is not None and smoothing_ms is not None and frames else ms

@@ -1,5 +1,5 @@
 """The comparison in words where estimators have several runs, each put together over them."""
-from verdict import WHY_ALIGNED, alignment_of, error_name
+from verdict import WHY_ALIGNED, alignment_of, error_name, failure_bound
 
 FEWEST = 10  # runs from which an interval over runs decides
 
@@ -35,8 +35,8 @@ def between(estimate, unit=" m"):
     return f"{estimate['value']:.3g}{unit} [{estimate['lower']:.3g}, {estimate['upper']:.3g}]"
 
 
-def failures(estimators):
-    sentences = [f"{e.name}: {e.failed} of {e.runs} runs failed (error above a tenth of the path), {e.diverged} diverged."
+def failures(estimators, aligned):
+    sentences = [f"{e.name}: {e.failed} of {e.runs} runs failed (error above {failure_bound(aligned)}), {e.diverged} diverged."
                  for e in estimators if e.failed or e.diverged]
     return [("Failed", sentences)] if sentences else []
 
@@ -74,5 +74,5 @@ def consistency_of(e):
 
 def findings(comparison):
     sentences = [s for s in map(consistency_of, comparison.estimators) if s]
-    return [*failures(comparison.estimators), *accuracy(comparison),
+    return [*failures(comparison.estimators, comparison.aligned), *accuracy(comparison),
             ("Consistency", sentences or ["Not judged: the truth is not exact, or a covariance is missing."])]

@@ -221,7 +221,7 @@ def trade_off(plt, summary):
         for cell, style in cells:
             cost_points(accuracy, consistency, cell, style)
         expected(consistency, 6)
-        shared = {"title": group["name"], "xlabel": "median time per frame [ms]", "xscale": "log"}
+        shared = {"title": group["name"], "xlabel": "time per frame [ms]", "xscale": "log"}
         explain(accuracy, **shared, ylabel=f"{error_name(group)} [m]", ylim=(0, None))
         explain(consistency, **shared, ylabel="ANEES of the pose (6 expected)", yscale="log")
         if not any("pose" in cell["anees"] for cell, _ in cells):
@@ -345,7 +345,7 @@ def error_axes(plt, summary):
             axis.plot(axes["frame"], errors, color=colour[cell["label"]], linewidth=1, label=cell["label"])
             explain(axis, xlabel="frame", ylabel=AXES[k])
         row[0].set_title(f'{name}: {cell["label"]}', loc="left")
-    return figure, ("Error of each axis", "True less estimated pose of the first run: position in the world, rotation in the camera. Shaded: three standard deviations as stated.")
+    return figure, ("Error of each axis", "True less estimated pose of the first run, of a batch the smoothed one: position in the world, rotation in the camera. Shaded: three standard deviations as stated.")
 
 
 def lag_line(axis, line, shift, style):

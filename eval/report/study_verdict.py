@@ -2,6 +2,7 @@
 import ranking
 from pooled_verdict import FEWEST, anees_class, between, decides, more_accurate
 from study_tables import error_name, error_of, estimators_of
+from verdict import failure_bound
 
 MOST_GROUPS = 4  # that are named one by one
 POSE = 6  # degrees of freedom
@@ -21,7 +22,8 @@ def failures(summary):
         cells = [cell for _, cell in cells_called(summary, label)]
         runs, failed, diverged = (sum(n) for n in zip(*((c["runs"], len(c["lost"]), len(c["diverged"])) for c in cells)))
         if failed or diverged:
-            sentences.append(f"{label}: {failed} of {runs} runs failed (error above a tenth of the path), {diverged} diverged.")
+            bound = failure_bound(any(c.get("aligned") for c in cells))
+            sentences.append(f"{label}: {failed} of {runs} runs failed (error above {bound}), {diverged} diverged.")
     return [("Failed", sentences)] if sentences else []
 
 

@@ -4,7 +4,6 @@ One run of each estimator is a description and no proof of a difference.
 """
 import math
 
-from metrics import with_solution
 
 SAME = 0.03  # a relative difference below this is not reported
 
@@ -25,6 +24,11 @@ def alignment_of(comparison):
     return "after similarity alignment" if comparison.aligned else "without alignment"
 
 
+def failure_bound(aligned):
+    """What the error of a failed run exceeds."""
+    return "a tenth of the path or a third of its extent, after alignment" if aligned else "a tenth of the path"
+
+
 WHY_ALIGNED = ("The truth is measured, and images of one camera tell neither frame nor scale: "
                "errors here are after similarity alignment, and the scale stands beside them.")
 
@@ -34,8 +38,7 @@ def nees_ratio(run):
 
 
 def frame_ms(run):
-    ms = run.value("frame_median_ms")
-    return with_solution(ms, run.value("smoothing_ms"), run.metric("coverage", "frames_done")) if run.kind == "batch" else ms
+    return run.value("frame_median_ms")
 
 
 def ranked(runs, measure):
@@ -58,15 +61,16 @@ def metres(value):
 
 def divergence(comparison):
     failed = [run for run in comparison.runs if run.divergence is not None]
-    sentences = [f"{run.name} diverged at frame {run.divergence['frame']} "
-                 f"({run.divergence['reason']}); its metrics cover only the frames before."
+    sentences = [f"{run.name} diverged at frame {run.divergence['frame']} ({run.divergence['reason']}); "
+                 + ("without a solution, nothing of its path is judged." if run.kind == "batch" else "its metrics cover only the frames before.")
                  for run in failed]
     return [("Diverged", sentences)] if failed else []
 
 
 def failure(comparison):
     failed = [run for run in comparison.runs if run.failed_at is not None]
-    return [("Failed", [f"{run.name} failed at frame {run.failed_at}: its error exceeds a tenth of the path." for run in failed])] if failed else []
+    bound = failure_bound(comparison.aligned)
+    return [("Failed", [f"{run.name} failed at frame {run.failed_at}: its error exceeds {bound}." for run in failed])] if failed else []
 
 
 def within_landmark_model(rows):
@@ -178,12 +182,12 @@ def cost(comparison, runs):
     fastest, quick = rows[0]
     slowest, slow = rows[-1]
     if len(rows) == 1:
-        sentences = [f"{quick.name} takes {fastest:.3g} ms per frame (median)."]
+        sentences = [f"{quick.name} takes {fastest:.3g} ms per frame."]
     elif slowest <= (1.0 + SAME) * fastest:
-        sentences = [f"All take about {slowest:.3g} ms per frame (median)."]
+        sentences = [f"All take about {slowest:.3g} ms per frame."]
     else:
         more = f", {times(slowest / fastest)} as long" if fastest > 0.0 else ""
-        sentences = [f"{quick.name} is the fastest with {fastest:.3g} ms per frame (median), "
+        sentences = [f"{quick.name} is the fastest with {fastest:.3g} ms per frame, "
                      f"{slow.name} the slowest with {slowest:.3g} ms{more}."]
     rate = camera_rate(comparison)
     if rate is not None:

@@ -115,6 +115,7 @@ void smooth(Estimator& estimator, LandmarkHistory& history, RunResult& result) {
 
 RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptions& options) {
   RunResult result;
+  result.batch = options.batch;
   result.frames_offered = static_cast<int>(sequence.frames.size());
   LandmarkHistory history(sequence);
   int frame_index = 0;
@@ -133,7 +134,7 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
   result.classification = history.classification();
   result.samples = history.samples();
   std::vector<RotationSpan> spans;
-  if (options.check_rotation) spans = options.check_rotation(sequence, result.filtered);
+  if (options.check_rotation) spans = options.check_rotation(sequence, result.judged());
   result.warnings = self_check(result, spans);
   return result;
 }
@@ -155,14 +156,22 @@ Prepared prepare(const Sequence& sequence, Configuration configuration, const st
 
 }  // namespace
 
+namespace {
+
+DriveOptions with_kind(DriveOptions options, const std::string& estimator) {
+  options.batch = is_batch(estimator);
+  return options;
+}
+
+}  // namespace
+
 EvaluatedRun run_and_evaluate(const Sequence& sequence, const Configuration& configuration,
                               const std::string& estimator, const DriveOptions& options,
                               const MetricTable& table) {
   const Prepared prepared = prepare(sequence, configuration, estimator);
   EvaluatedRun done;
   done.configuration = prepared.configuration;
-  done.run = drive(sequence, *prepared.estimator, options);
-  done.run.batch = is_batch(estimator);
+  done.run = drive(sequence, *prepared.estimator, with_kind(options, estimator));
   done.metrics =
       compute_metrics(sequence, done.run, prepared.configuration.model.gate.probability, table);
   return done;
@@ -170,7 +179,8 @@ EvaluatedRun run_and_evaluate(const Sequence& sequence, const Configuration& con
 
 RunResult run_estimator(const Sequence& sequence, const Configuration& configuration,
                         const std::string& estimator, const DriveOptions& options) {
-  return drive(sequence, *prepare(sequence, configuration, estimator).estimator, options);
+  return drive(sequence, *prepare(sequence, configuration, estimator).estimator,
+               with_kind(options, estimator));
 }
 
 std::optional<std::string> warning_about(const Sequence& sequence,

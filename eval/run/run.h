@@ -19,7 +19,8 @@ using CheckRotation = std::function<std::vector<RotationSpan>(
 struct DriveOptions {
   std::function<void(int done, int total)> progress;  // after each frame; may be empty
   bool landmarks_every_frame = false;
-  CheckRotation check_rotation;  // may be empty
+  CheckRotation check_rotation;  // of what is judged; may be empty
+  bool batch = false;            // see RunResult; of the registry's estimators it is known
 };
 
 // Gives all frames of the sequence to the estimator. Divergence ends the run, whether the estimator

@@ -1,9 +1,11 @@
 #include "eval/study/study_driver.h"
 
+#include <algorithm>
 #include <atomic>
 #include <future>
 #include <map>
 #include <mutex>
+#include <system_error>
 
 namespace slammot {
 namespace {
@@ -86,8 +88,13 @@ int run_study(const Study& study, const StudyOptions& options) {
     }
   };
   std::vector<std::future<void>> workers;
-  for (int job = 0; job < options.jobs; ++job) {
-    workers.push_back(std::async(std::launch::async, work));
+  const int jobs = std::min(std::max(options.jobs, 1), count);
+  try {
+    while (std::ssize(workers) < jobs) {
+      workers.push_back(std::async(std::launch::async, work));
+    }
+  } catch (const std::system_error&) {
+    if (workers.empty()) work();  // fewer threads than asked for do the same
   }
   for (std::future<void>& worker : workers) worker.get();
   return count;

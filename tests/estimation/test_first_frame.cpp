@@ -22,9 +22,8 @@ class FirstFrameOf : public testing::Test {
   }
 
   // Of a landmark of the first frame, frame 10.
-  void record(int track, Label label, std::vector<double> nis = {}) {
+  void record(int track, Label label) {
     records_[track] = initialised(track, 10, label, LandmarkPrior{});
-    records_[track].static_nis = std::move(nis);
   }
 
   // The first frame and two more; the second and third landmark come out as given.
@@ -81,19 +80,18 @@ TEST_F(FirstFrameOf, AllAreStaticWhereMostLookMoving) {
   for (const int track : {1, 2, 3, 4}) EXPECT_EQ(first.label(track), Label::kStatic);
 }
 
-TEST_F(FirstFrameOf, DropsTheLabelThatIsMostClearlyRejected) {
+TEST_F(FirstFrameOf, DropsTheLabelThatIsAccused) {
   FirstFrame first(options_);
   decide(first, Label::kUnknown, Label::kUnknown);
-  record(1, Label::kStatic, {15.0, 15.0});
-  record(2, Label::kStatic, {30.0, 30.0});
-  record(3, Label::kStatic, {2.0, 2.0});
+  record(1, Label::kStatic);
+  record(2, Label::kStatic);
   EXPECT_TRUE(first.holds(records_.at(2)));
+  EXPECT_FALSE(first.revise(records_));
+  first.accuse(2);
   EXPECT_TRUE(first.revise(records_));
   EXPECT_EQ(first.label(1), Label::kStatic);
   EXPECT_EQ(first.label(2), Label::kUnknown);
-  record(2, Label::kStatic, {30.0, 30.0});  // the classifier's label, not for us to take back
-  EXPECT_FALSE(first.holds(records_.at(2)));
-  record(1, Label::kStatic, {2.0, 2.0});
+  EXPECT_FALSE(first.holds(records_.at(2)));  // the classifier's label, not for us to take back
   EXPECT_FALSE(first.revise(records_));
 }
 
@@ -104,15 +102,18 @@ TEST_F(FirstFrameOf, LabelsStandAfterTheStart) {
   EXPECT_EQ(first.frames().size(), 6u);
   first.begin(frame(16));
   EXPECT_TRUE(first.frames().empty());
-  record(2, Label::kStatic, {30.0, 30.0});
+  record(2, Label::kStatic);
   EXPECT_FALSE(first.holds(records_.at(2)));
+  first.accuse(2);
   EXPECT_FALSE(first.revise(records_));
 }
 
 TEST_F(FirstFrameOf, NothingIsDecidedWhereAllLabelsAreGiven) {
   FirstFrame first(options_);
+  record(1, Label::kStatic);  // as given
   for (int i = 0; i < 6; ++i) {
     first.begin(frame(10 + i));
+    EXPECT_FALSE(first.holds(records_.at(1)));
     EXPECT_FALSE(first.revise(records_));
   }
   EXPECT_TRUE(first.frames().empty());

@@ -233,6 +233,19 @@ TEST_F(FrameLoopOf, StartsOverWithoutTheSurestMoverOfTheFirstFrame) {
   EXPECT_THAT(calls_, testing::Not(testing::Contains("release")));
 }
 
+TEST_F(FrameLoopOf, StartsOverWithoutTheMostRejectedWhereNothingIsRemembered) {
+  start_with({});
+  frame({1, 2, 3});
+  belief_->state.at(1).leave_one_out = 20.0;
+  belief_->state.at(2).leave_one_out = 30.0;
+  frame({1, 2, 3});
+  frame({1, 2, 3});
+  EXPECT_EQ(label(1), Label::kStatic);
+  EXPECT_EQ(label(2), Label::kUnknown);
+  EXPECT_EQ(label(3), Label::kStatic);
+  EXPECT_THAT(calls_, testing::Not(testing::Contains("free")));
+}
+
 TEST_F(FrameLoopOf, PrunesWhatIsNotMeasuredAndStartsItsTrackAnew) {
   ModelOptions models;
   models.policy.prune_after = 2;

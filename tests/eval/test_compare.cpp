@@ -65,10 +65,18 @@ TEST(Compare, ABatchIsJudgedByWhatItSmooths) {
     run.smoothed.push_back(camera);
     camera.state.position.y() += 100.0;
     run.filtered.push_back(camera);
+    run.lagged[1].push_back(camera);
     run.frames.push_back(static_cast<int>(i));
+    run.timing.push_back({static_cast<int>(i), "total", 2.0, 12});
   }
+  run.smoothing_ms = 400.0;
   const RunMetrics metrics = compute_metrics(sequence, run, 0.95);
   EXPECT_FALSE(metrics.failed);
+  EXPECT_TRUE(metrics.lagged.empty());  // of the window in front
+  EXPECT_NEAR(metrics.runtime.frame_median_ms, 2.0 + 400.0 / 40, 1e-12);
+  EXPECT_NEAR(metrics.runtime.frames_per_second, 1e3 * 40 / (40 * 2.0 + 400.0), 1e-9);
+  ASSERT_EQ(metrics.runtime.stages.size(), 2u);
+  EXPECT_EQ(metrics.runtime.stages[0].stage, "solution");
   Pool pool;
   pool.add("batch", sequence, run, metrics);
   const auto estimators = pool.estimators();
@@ -79,8 +87,12 @@ TEST(Compare, ABatchIsJudgedByWhatItSmooths) {
       run_json(sequence, {"batch", "batch", "batch", false, "-", {}, {}}, run, metrics);
   EXPECT_NEAR(json["series"]["position_error_m"][5].get<double>(), 0.0, 1e-12);
   EXPECT_TRUE(json["smoothed_series"].is_null());
+  run.smoothed.clear();
+  const RunMetrics unsolved = compute_metrics(sequence, run, 0.95);
+  EXPECT_EQ(unsolved.judged().accuracy.reason, "no pose was estimated");
   run.batch = false;
   EXPECT_TRUE(compute_metrics(sequence, run, 0.95).failed);
+  EXPECT_FALSE(compute_metrics(sequence, run, 0.95).lagged.empty());
 }
 
 TEST(Compare, MistakesAreFoundBeforeTheFirstRun) {

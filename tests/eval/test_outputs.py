@@ -2,6 +2,7 @@
 
 usage: test_outputs.py SLAMMOT
 """
+import fcntl
 import os
 import pathlib
 import resource
@@ -148,6 +149,13 @@ class Outputs(unittest.TestCase):
         self.slammot("compare", "--set", "frames.first=9000", "--output", "out", code=2)
         self.slammot("compare", self.simulated(), "--estimator", "ekf", "--output", "out")
         self.refused("compare", self.sequence, "--estimator", "ekf", "--output", "out", reason="holds a comparison already", kept=self.folder / "out")
+
+    def test_a_comparison_under_way_is_left_alone(self):
+        self.slammot("compare", "--set", "frames.first=9000", "--output", "out", code=2)
+        with open(self.folder / "out" / "compare.json", encoding="utf-8") as mark:
+            fcntl.flock(mark, fcntl.LOCK_EX)
+            self.refused("compare", self.simulated(), "--estimator", "ekf", "--output", "out",
+                         reason="another process is at work on it", kept=self.folder / "out")
 
     def test_metrics_are_written_over_nothing(self):
         sequence, run, file = self.simulated(), self.folder / "run", self.folder / "metrics.json"

@@ -64,6 +64,7 @@ void CellSummary::add(const Json& run) {
 void CellSummary::add_frames(std::uint64_t seed, const Json& frames) {
   frames_.add(frames);
   std::vector<double> sigmas = numbers(frames.at("position_sigma_m"));
+  if (sigmas.empty()) return;
   sigmas.push_back(0.0);  // of the first frame, a pin: an RMSE counts it too
   stated_sigma_[seed] = root_mean_square(sigmas);
   if (!frames.contains("nees_pose")) return;
@@ -75,13 +76,12 @@ void CellSummary::add_frames(std::uint64_t seed, const Json& frames) {
 }
 
 // One that is not defined (no landmark was ever decided) is no sample. Nor are poses at a lag of a
-// run that diverged, whose RMSE is not counted either, or of a batch, which are its front window's.
+// run that diverged, whose RMSE is not counted either.
 void CellSummary::add_values(Scope scope, const Json& values, const std::string& prefix) {
   for (const Metric& metric : metrics_) {
     const bool pools = metric.pooled == Pooled::kMean || metric.pooled == Pooled::kRootMeanSquare;
     if (metric.scope != scope || !pools || !values.is_object()) continue;
-    const bool of_lag = metric.key.starts_with("lag.");
-    if (of_lag && (is_batch(cell_.estimator) || !values.at("diverged").is_null())) continue;
+    if (metric.key.starts_with("lag.") && !values.at("diverged").is_null()) continue;
     const auto value = values.find(metric.key);
     if (value == values.end() || !value->is_number()) continue;
     Scalar& scalar = scalars_[prefix + metric.key];
