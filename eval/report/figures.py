@@ -5,6 +5,7 @@ A run keeps its colour through all figures. A value that is not defined is None,
 import math
 
 import lags
+from verdict import milliseconds
 
 NEES_DOF = 6
 NEES_INTERVAL = (1.237, 14.449)  # 95% of chi-square(6), two-sided
@@ -290,7 +291,7 @@ def runtime(comparison):
                "hovertemplate": "%{y}<br>" + stage + ": %{x:.3g} ms<extra></extra>"}
               for i, stage in enumerate(stages)]
     totals = [sum(stages_of(run).values()) for run in runs]
-    notes = [{"x": total, "y": name, "text": f"{total:.3g} ms", "showarrow": False,
+    notes = [{"x": total, "y": name, "text": milliseconds(total), "showarrow": False,
               "xanchor": "left", "xshift": 6} for total, name in zip(totals, names)]
     return {"data": traces, "layout": layout(
         120 + 46 * len(runs), barmode="stack", bargap=0.35, annotations=notes,

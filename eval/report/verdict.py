@@ -55,6 +55,10 @@ def times(ratio):
     return f"{ratio:.2g} times" if ratio < 10 else f"{ratio:.0f} times"
 
 
+def milliseconds(value):
+    return f"{value:.3g} ms" if value < 1000.0 else f"{value:.0f} ms"
+
+
 def metres(value):
     return f"{value:.3g} m"
 
@@ -182,13 +186,13 @@ def cost(comparison, runs):
     fastest, quick = rows[0]
     slowest, slow = rows[-1]
     if len(rows) == 1:
-        sentences = [f"{quick.name} takes {fastest:.3g} ms per frame."]
+        sentences = [f"{quick.name} takes {milliseconds(fastest)} per frame."]
     elif slowest <= (1.0 + SAME) * fastest:
-        sentences = [f"All take about {slowest:.3g} ms per frame."]
+        sentences = [f"All take about {milliseconds(slowest)} per frame."]
     else:
         more = f", {times(slowest / fastest)} as long" if fastest > 0.0 else ""
-        sentences = [f"{quick.name} is the fastest with {fastest:.3g} ms per frame, "
-                     f"{slow.name} the slowest with {slowest:.3g} ms{more}."]
+        sentences = [f"{quick.name} is the fastest with {milliseconds(fastest)} per frame, "
+                     f"{slow.name} the slowest with {milliseconds(slowest)}{more}."]
     rate = camera_rate(comparison)
     if rate is not None:
         late = [run.name for value, run in rows if value > 1000.0 / rate or run.kind == "batch"]
