@@ -78,11 +78,8 @@ void draw_all(const std::vector<NamedMetrics>& results, const Sequence& sequence
 }
 
 void say_what_is_wrong(const std::vector<NamedMetrics>& results) {
+  fmt::print(stderr, "{}", warning_lines(results));
   for (const NamedMetrics& result : results) {
-    for (const RunWarning& w : result.metrics.warnings) {
-      fmt::print(stderr, "slammot: warning: {}, from frame {}: {}\n", result.label, w.frame,
-                 w.reason);
-    }
     const auto& diverged = result.metrics.diverged;
     if (!diverged) continue;
     fmt::print(stderr, "slammot: {} diverged at frame {}: {}\n", result.label, diverged->frame,

@@ -48,6 +48,8 @@ void execute(const JudgeArguments& arguments, const std::string& json_file) {
     json[run.path.string()] = metrics_json(run.metrics);
   }
   fmt::print("{}", metrics_table(results));
+  std::fflush(stdout);
+  fmt::print(stderr, "{}", warning_lines(results));
   if (json_file.empty()) return;
   write_file(json_file, json.dump(1) + '\n');
 }

@@ -8,6 +8,7 @@
 #include "apps/support/command_line.h"
 #include "apps/support/judge_options.h"
 #include "apps/support/writable.h"
+#include "datasets/output/output_folder.h"
 #include "eval/compare/report_runs.h"
 #include "eval/output/metrics_table.h"
 #include "eval/report/report_generator.h"
@@ -75,12 +76,12 @@ std::string coverage_of(const Json& estimator) {
 
 // A row for each estimator, its runs put together.
 std::string pooled_table(const Json& estimators) {
-  std::vector<TextRow> rows = {{"estimator", "runs", "coverage", "failed", "diverged",
+  std::vector<TextRow> rows = {{"estimator", "runs", "coverage", "failed", "diverged", "warned",
                                 "position RMSE m", "ATE Sim(3) m", "ANEES pose (6)",
                                 "ANEES position (3)", "frames inside"}};
   for (const Json& e : estimators) {
     rows.push_back({e.at("name").get<std::string>(), e.at("runs").dump(), coverage_of(e),
-                    e.at("failed").dump(), e.at("diverged").dump(),
+                    e.at("failed").dump(), e.at("diverged").dump(), e.at("warned").dump(),
                     with_interval(value_of(e, kPositionRmse), 4),
                     with_interval(value_of(e, kAteSim3), 4), with_interval(anees_of(e, "pose"), 3),
                     with_interval(anees_of(e, "position"), 3), inside_of(e)});
@@ -95,13 +96,17 @@ int report_runs_to(const ReportArguments& arguments) {
     throw std::invalid_argument("report RUN... needs --output DIR for the page");
   }
   const Path output = arguments.output;
-  if (std::filesystem::exists(output / "study.yaml")) {
-    throw std::invalid_argument(output.string() + " holds a study: a report needs its own folder");
-  }
+  require_output(output, kComparisonOutput, arguments.runs.force);
   require_writable_folder(output);
-  const Json estimators = report_runs(judged(arguments.runs), output, command_line());
+  const std::vector<JudgedRun> runs = judged(arguments.runs);
+  const Json estimators = report_runs(runs, output, command_line());
   fmt::print("{}", pooled_table(estimators));
   std::fflush(stdout);
+  std::vector<NamedMetrics> results;
+  for (const JudgedRun& run : runs) {
+    results.push_back({run_name(run.path), run.estimator, run.stored.landmark, run.metrics});
+  }
+  fmt::print(stderr, "{}", warning_lines(results));
   return finish(write_compare_report(output));
 }
 

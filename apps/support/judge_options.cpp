@@ -28,8 +28,10 @@ void add_judge_options(CLI::App& command, JudgeArguments& arguments) {
                   "between a pose made elsewhere and its frame; without it, half a frame")
       ->type_name("SECONDS")
       ->check(CLI::PositiveNumber);
-  command.add_flag("--force", arguments.force,
-                   "judge a run against another sequence than the one it was made from");
+  command.add_flag(
+      "--force", arguments.force,
+      "judge a run against another sequence than the one it was made from, and replace an "
+      "earlier output");
 }
 
 namespace {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "datasets/text/nearest_names.h"
 #include "datasets/text/number.h"
-#include "eval/configuration/nearest_names.h"
 
 namespace slammot {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "eval/pooling/estimate_json.h"
 #include "eval/pooling/frame_statistics.h"
-#include "eval/statistics/statistics.h"
+#include "eval/pooling/paired_errors.h"
 
 namespace slammot {
 namespace {
@@ -67,10 +67,12 @@ Json Pool::estimator_json(const std::string& name, const std::vector<Run>& runs)
     metrics.push_back(&run.metrics);
     frames.add(run.frames);
   }
+  const auto count = [&](const auto& is) { return std::ranges::count_if(metrics, is); };
   Json json = {{"name", name},
                {"runs", runs.size()},
-               {"diverged", std::ranges::count_if(metrics, [](auto m) { return !!m->diverged; })},
-               {"failed", std::ranges::count_if(metrics, [](auto m) { return !!m->failed; })},
+               {"diverged", count([](auto m) { return m->diverged.has_value(); })},
+               {"failed", count([](auto m) { return m->failed.has_value(); })},
+               {"warned", count([](auto m) { return m->warned(); })},
                {"values", values_of_all(metrics)},
                {"anees", Json::object()},
                {"per_frame", Json()}};
@@ -105,24 +107,19 @@ Json Pool::pair_json(const std::string& a, const std::string& b) const {
   std::map<std::string, std::vector<const Run*>> of_b;
   for (const Run& run : runs_.at(b)) of_b[run.sequence].push_back(&run);
   std::map<std::string, std::size_t> taken;
-  std::vector<double> differences;
-  int pairs = 0, wins_a = 0, wins_b = 0;
+  PairedErrors errors;
   for (const Run& run : runs_.at(a)) {
     const std::size_t i = taken[run.sequence]++;
     if (i >= of_b[run.sequence].size()) continue;
-    const double other = of_b[run.sequence][i]->error;
-    ++pairs;
-    wins_a += run.error < other;
-    wins_b += other < run.error;
-    if (std::isfinite(run.error) && std::isfinite(other)) differences.push_back(run.error - other);
+    errors.add(run.error, of_b[run.sequence][i]->error);
   }
   return {{"a", a},
           {"b", b},
           {"metric", key_},
-          {"pairs", pairs},
-          {"wins_a", wins_a},
-          {"wins_b", wins_b},
-          {"difference", json_of(bootstrap(differences, mean))}};
+          {"pairs", errors.pairs()},
+          {"wins_a", errors.wins_a()},
+          {"wins_b", errors.wins_b()},
+          {"difference", json_of(errors.difference())}};
 }
 
 Json Pool::pairs() const {

@@ -1,10 +1,11 @@
 #include "eval/compare/report_runs.h"
 
 #include <algorithm>
-#include <fstream>
 #include <set>
 #include <stdexcept>
 
+#include "datasets/output/output_files.h"
+#include "datasets/output/output_folder.h"
 #include "eval/compare/comparison_json.h"
 #include "eval/compare/pooled.h"
 #include "eval/configuration/registry.h"
@@ -86,11 +87,13 @@ void write_description(const JudgedRun& run, const Path& folder) {
     return;
   }
   // JSON is YAML, and quotes whatever a name may hold.
-  std::ofstream(file) << "format: " << run_files::kFormat
-                      << "\nestimator: " << Json(run.estimator).dump()
-                      << "\nsequence:\n  name: " << Json(run.sequence->name).dump() << "\n  path: "
-                      << Json(std::filesystem::absolute(run.sequence->folder).string()).dump()
-                      << "\n  sha256: " << Json(run.sequence->sha256).dump() << "\n";
+  const auto text = [&](std::ostream& out) {
+    out << "format: " << run_files::kFormat << "\nestimator: " << Json(run.estimator).dump()
+        << "\nsequence:\n  name: " << Json(run.sequence->name).dump()
+        << "\n  path: " << Json(std::filesystem::absolute(run.sequence->folder).string()).dump()
+        << "\n  sha256: " << Json(run.sequence->sha256).dump() << "\n";
+  };
+  write_file(file, text);
 }
 
 }  // namespace
@@ -112,6 +115,9 @@ Json report_runs(const std::vector<JudgedRun>& runs, const Path& output,
   Json json = comparison_json(command, first, std::nullopt, metric_table());
   json["sequence"]["count"] = sequences.size();
   json["sequence"]["names"] = sequence_names;
+  std::filesystem::create_directories(output);
+  const Path mark = output / kComparisonOutput.mark;
+  write_file(mark, json.dump(1) + '\n');  // first: by it the folder is known
   Pool pool;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const JudgedRun& run = runs[i];
@@ -124,7 +130,7 @@ Json report_runs(const std::vector<JudgedRun>& runs, const Path& output,
   }
   json["estimators"] = pool.estimators();
   json["pairs"] = pool.pairs();
-  std::ofstream(output / "compare.json") << json.dump(1) << '\n';
+  write_file(mark, json.dump(1) + '\n');
   return json["estimators"];
 }
 

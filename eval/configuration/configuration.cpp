@@ -4,8 +4,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "datasets/text/nearest_names.h"
 #include "datasets/text/yaml_map.h"
-#include "eval/configuration/nearest_names.h"
 
 namespace slammot {
 namespace {

@@ -104,8 +104,10 @@ std::optional<int> failed_at(const std::vector<PosePair>& pairs, bool after_alig
 }
 
 std::string failure_bound(bool after_alignment) {
-  return after_alignment ? "a tenth of the path or a third of its extent, after alignment"
-                         : "a tenth of the path";
+  return after_alignment
+             ? "a tenth of the path or a third of the largest distance from its start, after "
+               "alignment"
+             : "a tenth of the path so far, and a metre or a tenth of the whole path";
 }
 
 Accuracy accuracy(const std::vector<PosePair>& pairs, double relative_interval) {

@@ -215,8 +215,8 @@ MetricTable nis_rows() {
 }
 
 // A run that ended early has said so.
-bool warned(const RunMetrics& m) { return m.diverged || !m.warnings.empty(); }
-bool failed_silently(const RunMetrics& m) { return m.failed && !warned(m); }
+bool warned(const RunMetrics& m) { return m.warned(); }
+bool failed_silently(const RunMetrics& m) { return m.failed && !m.warned(); }
 
 // What a run says against itself, without truth (self_check.h), and where it ought to have.
 MetricTable warning_rows() {

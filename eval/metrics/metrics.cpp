@@ -34,7 +34,7 @@ TrajectoryMetrics trajectory_metrics(const Sequence& sequence,
   if (!sequence.exact_truth) {
     metrics.consistency.reason = kInexact;
   } else if (!all_have_covariances(pairs)) {
-    metrics.consistency.reason = "no covariance of every pose";
+    metrics.consistency.reason = "not every pose has a covariance";
   } else {
     metrics.consistency.value = pose_consistency(pairs);
   }

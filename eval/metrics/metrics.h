@@ -68,6 +68,7 @@ struct RunMetrics {
   RuntimeMetrics runtime;
   std::vector<MetricValue> values;
 
+  bool warned() const { return diverged || !warnings.empty(); }
   const TrajectoryMetrics& judged() const { return batch ? *smoothed : filtered; }
 };
 

@@ -10,6 +10,11 @@
 
 namespace slammot {
 
+bool is_positive_definite(const Eigen::MatrixXd& covariance) {
+  if (!covariance.allFinite()) return false;
+  return Eigen::LLT<Eigen::MatrixXd>(covariance).info() == Eigen::Success;
+}
+
 double nees(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance) {
   constexpr double kFailure = std::numeric_limits<double>::infinity();
   if (!error.allFinite() || !covariance.allFinite()) return kFailure;

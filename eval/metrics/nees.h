@@ -16,6 +16,9 @@
 
 namespace slammot {
 
+// False where a number is not finite.
+bool is_positive_definite(const Eigen::MatrixXd& covariance);
+
 double nees(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance);
 
 // NaN where a number of the error or of the covariance is not defined, which is no failure.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace slammot {
 namespace {
@@ -25,14 +26,16 @@ double expected_of(const Metric& metric, const RunMetrics& run) {
   return std::isnan(of_run) ? value_of(run.filtered.values, metric.expected) : of_run;
 }
 
-// With what a consistent run has, where that is the same for all.
+// With what a consistent run has, where that is the same for all of which it is known.
 std::string heading(const Metric& metric, const std::vector<NamedMetrics>& results) {
-  const double expected = expected_of(metric, results[0].metrics);
-  const bool same = std::ranges::all_of(
-      results, [&](const auto& r) { return expected_of(metric, r.metrics) == expected; });
-  if (std::isnan(expected) || !same)
+  std::set<double> expected;
+  for (const NamedMetrics& r : results) {
+    const double of_run = expected_of(metric, r.metrics);
+    if (!std::isnan(of_run)) expected.insert(of_run);
+  }
+  if (expected.size() != 1)
     return metric.unit.empty() ? metric.name : metric.name + " " + metric.unit;
-  return fmt::format("{} ({:.4g})", metric.name, expected);
+  return fmt::format("{} ({:.4g})", metric.name, *expected.begin());
 }
 
 void add_numbers(TextRow& cells, const std::vector<MetricValue>& values) {
@@ -127,17 +130,35 @@ std::string aligned(const std::vector<TextRow>& rows, std::size_t names) {
   return text;
 }
 
+std::string warning_lines(const std::vector<NamedMetrics>& results) {
+  std::string text;
+  for (const NamedMetrics& result : results) {
+    for (const RunWarning& w : result.metrics.warnings) {
+      text +=
+          fmt::format("slammot: warning: {}, from frame {}: {}\n", result.label, w.frame, w.reason);
+    }
+  }
+  return text;
+}
+
 std::string metrics_table(const std::vector<NamedMetrics>& results) {
   const Names names = names_of(results);
   const std::size_t left = names.front().size();
-  std::string text = aligned(trajectory_rows(names, results), left);
+  const std::vector<TextRow> of_trajectories = trajectory_rows(names, results);
+  std::string text = aligned(of_trajectories, left);
   const std::vector<TextRow> of_runs = run_rows(names, results);
-  if (of_runs.size() > 1) text += "\n" + aligned(of_runs, left);
-  return text +
-         "In parentheses: the mean of a consistent estimator; the gate cuts off the tail of the "
-         "NIS. r/w/u: right, wrong, undecided.\nFailed: the error exceeds a tenth of the path; "
-         "after alignment, or a third of its extent. NEES of one run is a mean over correlated "
-         "frames.\n";
+  const bool own = of_runs.size() > 1;
+  if (own) text += "\n" + aligned(of_runs, left);
+  if (std::ranges::any_of(of_trajectories.front(), [](auto& h) { return h.ends_with(')'); })) {
+    text +=
+        "In parentheses: the mean of a consistent estimator. NEES of one run is a mean over "
+        "correlated frames, without the first.\n";
+  }
+  if (own) {
+    text += "The gate cuts off the tail of the NIS. r/w/u: right, wrong, undecided.\n";
+  }
+  return text + "Failed: the error exceeds " + failure_bound(false) +
+         "; where the\ntruth is measured, " + failure_bound(true) + ".\n";
 }
 
 }  // namespace slammot

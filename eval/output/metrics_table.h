@@ -20,6 +20,9 @@ struct NamedMetrics {
 using TextRow = std::vector<std::string>;
 std::string aligned(const std::vector<TextRow>& rows, std::size_t names);
 
+// A line for each warning of each run; empty without any.
+std::string warning_lines(const std::vector<NamedMetrics>& results);
+
 std::string metrics_table(const std::vector<NamedMetrics>& results);
 
 }  // namespace slammot

@@ -25,6 +25,7 @@ class Run:
     label: str
     name: str  # what the page calls it
     estimator: str
+    pooled: str    # the estimator whose runs it is put together with
     kind: str      # filter | smoother | batch | ideal_covariance | foreign
     landmark: str
     colour: str
@@ -57,6 +58,10 @@ class Run:
         return self.metric("divergence")
 
     @property
+    def warnings(self):
+        return self.metric("warnings") or []
+
+    @property
     def failed_at(self):
         return self.metric("failed_at")
 
@@ -69,6 +74,7 @@ class Estimator:
     runs: int
     diverged: int
     failed: int
+    warned: int | None  # None in a comparison of before they were counted
     values: dict     # key of a metric to {value, lower, upper, runs}
     anees: dict      # part to {dof, mean, lower, upper, inside, infinite}
     per_frame: dict
@@ -223,7 +229,7 @@ def read_run(output, entry, table, name, colour):
     if "alignment" in series:
         landmarks = [(track, label, *placed(series["alignment"], p)) for track, label, *p in landmarks]
     return Run(
-        label=entry["label"], name=name, estimator=entry["estimator"], kind=entry.get("kind", ""), landmark=entry["landmark"],
+        label=entry["label"], name=name, estimator=entry["estimator"], pooled=entry.get("pooled", ""), kind=entry.get("kind", ""), landmark=entry["landmark"],
         colour=colour, metrics=entry.get("metrics") or {}, table=table, series=series,
         smoothed_series=in_frame_of_truth(entry.get("smoothed_series") or {}),
         configuration=entry.get("configuration") or {},
@@ -234,7 +240,7 @@ def read_run(output, entry, table, name, colour):
 
 def read_estimators(entries):
     return [Estimator(name=e["name"], colour=RUN_COLOURS[i % len(RUN_COLOURS)], runs=e["runs"], diverged=e["diverged"],
-                      failed=e["failed"], values=e["values"], anees=e["anees"], per_frame=e["per_frame"] or {})
+                      failed=e["failed"], warned=e.get("warned"), values=e["values"], anees=e["anees"], per_frame=e["per_frame"] or {})
             for i, e in enumerate(entries)]
 
 

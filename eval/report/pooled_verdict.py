@@ -1,5 +1,5 @@
 """The comparison in words where estimators have several runs, each put together over them."""
-from verdict import WHY_ALIGNED, alignment_of, error_name, failure_bound
+from verdict import WHY_ALIGNED, alignment_of, error_name, failure_bound, warnings_of
 
 FEWEST = 10  # runs from which an interval over runs decides
 
@@ -41,6 +41,16 @@ def failures(estimators, aligned):
     return [("Failed", sentences)] if sentences else []
 
 
+def warned(comparison):
+    """The number of runs that warn, and the reasons of the first of them."""
+    sentences = []
+    for e in comparison.estimators:
+        runs = [run for run in comparison.runs if run.pooled == e.name and run.warnings]
+        if runs:
+            sentences.append(f"{e.name}: {len(runs)} of {e.runs} runs warn. {' '.join(warnings_of(runs[0]))}")
+    return [("Warned", sentences)] if sentences else []
+
+
 def accuracy(comparison):
     known = sorted((e for e in comparison.estimators if (e.values.get(comparison.error_key) or {}).get("value") is not None),
                    key=lambda e: e.values[comparison.error_key]["value"])
@@ -64,15 +74,15 @@ def consistency_of(e):
     if a is None:
         return None
     if a["infinite"] or a["mean"] is None:
-        return f"{e.name} reports covariances that are not positive definite."
+        return f"{e.name} is not judged: some of its covariances are not positive definite, and their NEES is infinite."
     text = f"ANEES of the {part} {between({'value': a['mean'], **{k: a[k] for k in ('lower', 'upper')}}, '')} ({a['dof']} expected)"
     if a["lower"] is None or e.runs < FEWEST:
-        return f"{e.name}: {text}; {e.runs} run{'s' if e.runs > 1 else ''} decide nothing."
+        return f"{e.name}: {text}; {e.runs} run{'s decide' if e.runs > 1 else ' decides'} nothing."
     word = "overconfident" if a["lower"] > a["dof"] else "conservative" if a["upper"] < a["dof"] else "consistent within its interval"
     return f"{e.name} is {word}: {text}, {100 * a['inside']:.0f}% of the frames inside."
 
 
 def findings(comparison):
     sentences = [s for s in map(consistency_of, comparison.estimators) if s]
-    return [*failures(comparison.estimators, comparison.aligned), *accuracy(comparison),
+    return [*failures(comparison.estimators, comparison.aligned), *warned(comparison), *accuracy(comparison),
             ("Consistency", sentences or ["Not judged: the truth is not exact, or a covariance is missing."])]

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import lags
 import metrics
 from pooled_verdict import anees_class
+from verdict import failure_bound
 
 
 @dataclass
@@ -164,7 +165,8 @@ def summary_table(summary):
         "Summary",
         "Over all runs; brackets: 95% bootstrap intervals over runs (2000 resamples). Red: failed or diverged runs, and ANEES whose interval lies above "
         "what a consistent estimator has (in parentheses); blue: below, both from ten runs on. Frames inside: those whose ANEES, over the runs, lies in its two-sided 95% interval. "
-        "A run has failed when its position error exceeds a tenth of the path (after alignment, or a third of its extent), has diverged when its state is no longer finite, and warns where its own numbers "
+        "A run has failed when its position error exceeds "
+        f"{failure_bound(False)} (where the truth is measured: {failure_bound(True)}), has diverged when its state is no longer finite, and warns where its own numbers "
         "speak against it, without any truth. RMSE is over the runs that did not diverge; of a batch, values are smoothed ones. RMSE over ideal sigma: ratio to the standard deviation of the ideal covariance, that of an EKF "
         "linearised at the truth, with known labels, the fixed depth prior and no gate; its row gives it. It is no bound. Other numbers: table Metrics.",
         ["scenario", "estimator"] + order, rows, classes)

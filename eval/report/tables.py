@@ -37,7 +37,7 @@ def columns(comparison, of):
         shown_ones.sort(key=lambda m: ALIGNED_FIRST.index(m.key) if m.key in ALIGNED_FIRST else len(ALIGNED_FIRST))
     defined = [m for m in shown_ones if any(run.value(m.key, which) is not None
                                             for run in comparison.runs for which in ("filtered", "smoothed"))]
-    return defined or shown_ones
+    return defined or (shown_ones if of == "trajectory" else [])
 
 
 def frames(run):
@@ -113,7 +113,7 @@ ANEES = (("pose", 6), ("position", 3), ("rotation", 3))
 def pooled_head(comparison):
     """(name, unit or expected value, caption) of each column; the error first, then consistency."""
     first, *others = [(m.name, m.unit, m.caption) for m in pooled_metrics(comparison)] or [("error", "", "")]
-    return [("runs", "", ""), ("coverage", "", "poses judged, of the frames of the sequence"), ("failed", "", "runs"), ("diverged", "", "runs"), first,
+    return [("runs", "", ""), ("coverage", "", "poses judged, of the frames of the sequence"), ("failed", "", "runs"), ("diverged", "", "runs"), ("warned", "", "runs that warn or diverged"), first,
             *((f"ANEES {part}", f"{dof} expected", "NEES over runs and frames") for part, dof in ANEES), ("frames inside", "", ""), *others]
 
 
@@ -124,7 +124,8 @@ def pooled(comparison):
         coverage = e.values.get("coverage") or {"value": None}
         inside = e.anees.get("pose", {}).get("inside")
         cells = [(Cell(str(e.runs)), ""), (Cell(percent(coverage["value"])), ""),
-                 (Cell(str(e.failed)), "over" if e.failed else ""), (Cell(str(e.diverged)), "over" if e.diverged else "")]
+                 (Cell(str(e.failed)), "over" if e.failed else ""), (Cell(str(e.diverged)), "over" if e.diverged else ""),
+                 (Cell(shown(e.warned)), "")]
         first, *others = [(with_interval(e.values.get(m.key)), "") for m in pooled_metrics(comparison)] or [(Cell(UNDEFINED), "")]
         consistent = [anees_cell(e, part) for part, _ in ANEES]
         rows.append((e, [*cells, first, *consistent, (Cell(percent(inside)), ""), *others]))

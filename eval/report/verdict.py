@@ -26,7 +26,8 @@ def alignment_of(comparison):
 
 def failure_bound(aligned):
     """What the error of a failed run exceeds."""
-    return "a tenth of the path or a third of its extent, after alignment" if aligned else "a tenth of the path"
+    return ("a tenth of the path or a third of the largest distance from its start, after alignment" if aligned else
+            "a tenth of the path so far, and a metre or a tenth of the whole path")
 
 
 WHY_ALIGNED = ("The truth is measured, and images of one camera tell neither frame nor scale: "
@@ -77,6 +78,15 @@ def failure(comparison):
     return [("Failed", [f"{run.name} failed at frame {run.failed_at}: its error exceeds {bound}." for run in failed])] if failed else []
 
 
+def warnings_of(run):
+    return [f"{run.name}, from frame {warning['frame']}: {warning['reason']}." for warning in run.warnings]
+
+
+def warned(comparison):
+    sentences = [sentence for run in comparison.runs for sentence in warnings_of(run)]
+    return [("Warned", sentences)] if sentences else []
+
+
 def within_landmark_model(rows):
     """The same landmark model under different estimators: the question this program is for."""
     sentences = []
@@ -95,7 +105,9 @@ def within_landmark_model(rows):
 
 
 def unmeasured(runs):
-    """Whether no run used a single measurement: then no estimator was compared."""
+    """Whether no run used a single measurement: then no estimator was compared. Of one made elsewhere nobody knows."""
+    if any(run.kind == "foreign" for run in runs):
+        return False
     counts = [run.metric("coverage", name) for run in runs for name in ("accepted", "landmarks_admitted")]
     return all(count == 0 for count in counts)
 
@@ -113,7 +125,9 @@ def accuracy(comparison, runs):
         article = "an" if comparison.aligned else "a"
         return [("Accuracy", [f"{best.name} has {article} {error_name(comparison)} of {metres(value)}, {alignment_of(comparison)}.", *why])]
     others = ", ".join(f"{run.name} {metres(v)}" for v, run in rows[1:])
-    return [("Accuracy", [f"{best.name} is the most accurate: {error_name(comparison)} {metres(value)}, {alignment_of(comparison)} "
+    equal = [run.name for v, run in rows if value >= (1.0 - SAME) * v]
+    which = f"{best.name} is the most accurate" if len(equal) == 1 else f"{listed(equal)} are equally accurate, within {100 * SAME:.0f}%"
+    return [("Accuracy", [f"{which}: {error_name(comparison)}{' of ' + best.name if len(equal) > 1 else ''} {metres(value)}, {alignment_of(comparison)} "
                           f"({others}).", *within_landmark_model(rows), *why])]
 
 
@@ -206,6 +220,6 @@ def cost(comparison, runs):
 def findings(comparison):
     done = [run for run in comparison.runs if run.divergence is None]
     if not done:
-        return divergence(comparison)
-    return [*divergence(comparison), *failure(comparison), *accuracy(comparison, done), *consistency(comparison, done),
+        return [*divergence(comparison), *warned(comparison)]
+    return [*divergence(comparison), *failure(comparison), *warned(comparison), *accuracy(comparison, done), *consistency(comparison, done),
             *labels(done), *cost(comparison, done)]

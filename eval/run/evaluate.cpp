@@ -8,6 +8,7 @@
 #include "eval/configuration/registry.h"
 #include "eval/metrics/label_truth.h"
 #include "eval/output/run_files.h"
+#include "eval/run/self_check.h"
 #include "eval/trajectory/trajectory_file.h"
 
 namespace slammot {
@@ -84,12 +85,10 @@ void place_in_time(const Path& path, const Sequence& sequence, const TimeMatchin
   throw InputError(path, 0, error.what());
 }
 
-void require_same_sequence(const Path& path, const StoredRun& stored, const Sequence& sequence) {
-  if (stored.sequence_sha256.empty() || stored.sequence_sha256 == sequence.sha256) return;
-  throw InputError(path / run_files::kDescription, 0,
-                   fmt::format("was made from a sequence with SHA-256 {:.8}.., but {} has {:.8}..; "
-                               "--force judges it all the same",
-                               stored.sequence_sha256, sequence.folder.string(), sequence.sha256));
+std::optional<std::string> other_sequence(const StoredRun& stored, const Sequence& sequence) {
+  if (stored.sequence_sha256.empty() || stored.sequence_sha256 == sequence.sha256) return {};
+  return fmt::format("was made from a sequence with SHA-256 {:.8}.., but {} has {:.8}..",
+                     stored.sequence_sha256, sequence.folder.string(), sequence.sha256);
 }
 
 }  // namespace
@@ -119,11 +118,17 @@ JudgedRun Judge::operator()(const Path& run, const std::optional<Path>& against)
   }
   judged.sequence = sequence_at(*path);
   judged.stored = read_any(run, *judged.sequence, options_.foreign);
-  if (!options_.force) require_same_sequence(run, judged.stored, *judged.sequence);
+  const auto other = other_sequence(judged.stored, *judged.sequence);
+  if (other && !options_.force) {
+    throw InputError(run / run_files::kDescription, 0, *other + "; --force judges it all the same");
+  }
   const TimeMatching exactly;
   place_in_time(run, *judged.sequence, judged.stored.own ? exactly : options_.foreign.times,
                 judged.stored.run);
   take_truth_from(*judged.sequence, judged.stored.run);
+  std::vector<RunWarning>& warnings = judged.stored.run.warnings;
+  if (!judged.stored.own) warnings = self_check(judged.stored.run);
+  if (other) warnings.insert(warnings.begin(), {0, *other});
   judged.estimator = estimator_name(run, judged.stored);
   judged.metrics =
       compute_metrics(*judged.sequence, judged.stored.run, judged.stored.gate_probability);

@@ -132,7 +132,7 @@ TEST_F(Layout, WhatIsWrongIsNamed) {
   put("times.txt", "0.1\n0\n");
   EXPECT_THAT(refusal(), HasSubstr("times.txt:2: timestamp"));
   put("times.txt", "");
-  EXPECT_THAT(refusal(), HasSubstr("times.txt:0: names no image"));
+  EXPECT_THAT(refusal(), HasSubstr("times.txt: names no image"));
   put("times.txt", "0\n0.1\n0.2\n");
   EXPECT_THAT(refusal(), HasSubstr("fewer poses than times"));
   put("calib.txt", "P0: 1\n");

@@ -23,18 +23,18 @@ std::string refusal(const fs::path& folder) {
 TEST(NativeReader, RefusesAMissingFolderAndMissingFiles) {
   test::TemporaryFolder folder;
   const fs::path nowhere = folder.path() / "nowhere";
-  EXPECT_EQ(refusal(nowhere), nowhere.string() + ":0: no such folder");
+  EXPECT_EQ(refusal(nowhere), nowhere.string() + ": no such folder");
   EXPECT_NE(refusal(folder.path()).find("not a sequence"), std::string::npos);
   EXPECT_NE(refusal(folder.path()).find("groundTruth.txt"), std::string::npos);
   for (const char* name : {"sequence.yaml", "frames.csv", "observations.csv"}) {
     test::write_good(folder.path());
     fs::remove(folder.path() / name);
-    EXPECT_EQ(refusal(folder.path()), (folder.path() / name).string() + ":0: no such file");
+    EXPECT_EQ(refusal(folder.path()), (folder.path() / name).string() + ": no such file");
   }
   test::write_good(folder.path());
   fs::remove(folder.path() / "observations.csv");
   test::write_text(folder.path() / "frames.csv", "frame,timestamp,image\n0,0,a.png\n");
-  EXPECT_NE(refusal(folder.path()).find("observations.csv:0: no such file; the images must be"),
+  EXPECT_NE(refusal(folder.path()).find("observations.csv: no such file; the images must be"),
             std::string::npos);
 }
 

@@ -186,7 +186,7 @@ class Judge(unittest.TestCase):
         slammot("report", page / "mine-01", "--output", again)
         self.assertAlmostEqual(anees(again)["mean"], anees(page)["mean"], delta=1e-9)
         self.assertEqual(json.loads((again / "compare.json").read_text())["estimators"][0]["name"], "mine")
-        slammot("report", page / "mine-01", "--output", page, code=2)  # would be written over
+        self.assertIn("would write over the run", slammot("report", page / "mine-01", "--output", page, "--force", code=2).stderr)
 
     # --- formats -------------------------------------------------------------------------------------
 
@@ -247,16 +247,16 @@ class Judge(unittest.TestCase):
                 "a column less in a row": (rows[:head + 7] + [separator.join(cells[:-1])] + rows[head + 8:], at + "expected"),
                 "a word": (rows[:head + 7] + [separator.join([*cells[:2], "x1", *cells[3:]])] + rows[head + 8:], at),
                 "no rotation": (rows[:head + 7] + [separator.join([cells[0], *["9"] * (len(cells) - 1)])] + rows[head + 8:], at),
-                "empty": (rows[:head], r"bad\.txt:0: holds no pose"),
+                "empty": (rows[:head], r"bad\.txt: holds no pose"),
             }
             if name == "kitti":
-                broken["rows missing"] = (rows[:-5], r"bad\.txt:0: 295 rows without times, but the sequence has 300 frames")
+                broken["rows missing"] = (rows[:-5], r"bad\.txt: 295 rows without times, but the sequence has 300 frames")
             else:
                 swapped = rows[:head + 7] + [rows[head + 8], rows[head + 7]] + rows[head + 9:]
                 broken["unsorted"] = (swapped, rf"bad\.txt:{head + 9}: timestamp .* does not follow")
                 late = [separator.join([str(int(c) + 10**12) if name == "euroc" else str(float(c) + 1000.0), *rest])
                         for c, *rest in (row.split(separator) for row in rows[head:])]
-                broken["another sequence's times"] = (late, r"bad\.txt:0: no pose is within .* s of a frame")
+                broken["another sequence's times"] = (late, r"bad\.txt: no pose is within .* s of a frame")
             for what, (text, reason) in broken.items():
                 with self.subTest(format=name, what=what):
                     self.assertNotEqual(text, rows, moved)
@@ -270,7 +270,7 @@ class Judge(unittest.TestCase):
         for what, rows, reason in (
                 ("truncated", good[:-1] + [good[-1][:60]], rf"covariance\.csv:{len(good)}: expected 22 fields"),
                 ("nan", good[:5] + [",".join([*cells[:4], "nan", *cells[5:]])] + good[6:], r"covariance\.csv:6: 'nan'"),
-                ("rows missing", good[:-3], r"covariance\.csv:0: has not one row for each pose"),
+                ("rows missing", good[:-3], r"covariance\.csv: has not one row for each pose"),
                 ("other times", [good[0], *good[2:], good[1]], r"covariance\.csv:2: the timestamp is not that of the pose"),
                 ("columns", [row + ",0" for row in good], r"covariance\.csv:2: expected 22 fields")):
             with self.subTest(what=what):
@@ -308,6 +308,55 @@ class Judge(unittest.TestCase):
         dense.write_text("".join(f"{float(t)!r} {rest}\n{float(t) + 0.01!r}{far}\n{float(t) + 0.02!r}{far}\n" for t, rest in rows))
         self.assertEqual(self.errors(dense)["accuracy"], expected)
 
+    def test_an_earlier_page_is_replaced_only_when_forced(self):
+        run, = self.draw("run", 1)
+        page, _ = self.report([run])
+        before = {file: file.read_bytes() for file in page.rglob("*") if file.is_file()}
+        error = slammot("report", run, "--against", self.sequence, "--output", page, code=2).stderr
+        self.assertRegex(error, r"\Aslammot: .* holds a comparison already: --force replaces it\n\Z")
+        self.assertEqual({file: file.read_bytes() for file in page.rglob("*") if file.is_file()}, before)
+        slammot("report", run, "--against", self.sequence, "--output", page, "--force")
+        foreign = self.here / "foreign"
+        foreign.mkdir()
+        (foreign / "notes.txt").write_text("mine")
+        self.assertIn("not replaced", slammot("report", run, "--against", self.sequence, "--output", foreign, "--force", code=2).stderr)
+
+    def test_a_covariance_that_is_not_positive_definite_is_said(self):
+        run, = self.draw("run", 1)
+        rows = (run / "pose_covariance.csv").read_text().splitlines()
+        cells = rows[8].split(",")
+        rows[8] = ",".join([cells[0], "-" + cells[1], *cells[2:]])
+        (run / "pose_covariance.csv").write_text("\n".join(rows) + "\n")
+        reason = f"from frame 7: 1 of {FRAMES - 1} covariances of the pose are not positive definite"
+        self.assertIn(f"slammot: warning: run-01, {reason}", slammot("evaluate", run, "--against", self.sequence).stderr)
+        page, out = self.report([run])
+        self.assertRegex(out, r"(?m)^run +1 +100\.0% +0 +0 +1 ")
+        self.assertIn(reason, (page / "report.html").read_text())
+
+    def test_equal_runs_are_no_wins(self):
+        runs = self.draw("mine", 12)
+        for run in runs:
+            other = self.here / run.name.replace("mine", "same")
+            shutil.copytree(run, other)
+            rows = [row.split() for row in (run / "trajectory.tum").read_text().splitlines()]
+            (other / "trajectory.tum").write_text("".join(
+                " ".join([row[0], f"{float(row[1]) * (1 + 1e-15):.17g}", *row[2:]]) + "\n" for row in rows))
+        page, _ = self.report([*runs, *sorted(self.here.glob("same-*"))])
+        pair, = json.loads((page / "compare.json").read_text())["pairs"]
+        self.assertEqual((pair["pairs"], pair["wins_a"], pair["wins_b"]), (12, 0, 0))
+        self.assertEqual([pair["difference"][key] for key in ("value", "lower", "upper")], [0.0, 0.0, 0.0])
+
+    def test_footnotes_are_of_columns_that_are_there(self):
+        run, = self.draw("run", 1)
+        bare = self.here / "bare.tum"
+        shutil.copy(run / "trajectory.tum", bare)
+        for runs, of_nees in (([bare], False), ([run, bare], True)):
+            out = slammot("evaluate", *runs, "--against", self.sequence).stdout
+            self.assertEqual("In parentheses" in out, of_nees, out)
+            self.assertEqual("(6)" in out, of_nees, out)
+            self.assertNotIn("NIS", out)
+            self.assertNotIn("r/w/u", out)
+
     def test_coverage_of_few_poses(self):
         _, lines = self.files()
         (self.here / "short.tum").write_text("\n".join(lines["tum"][:8]) + "\n")
@@ -321,8 +370,8 @@ class Judge(unittest.TestCase):
         slammot("run", self.sequence, "--estimator", "ekf", "--set", "frames.last=20", "--output", run)
         slammot("simulate", "circle", "--set", f"frames={FRAMES}", "--seed", 2, "--output", other)
         done = slammot("evaluate", run, "--against", other, code=2)
-        self.assertRegex(done.stderr, r"\Aslammot: .*run\.yaml:0: was made from a sequence with SHA-256 .* --force .*\n\Z")
-        slammot("evaluate", run, "--against", other, "--force")
+        self.assertRegex(done.stderr, r"\Aslammot: .*run\.yaml: was made from a sequence with SHA-256 .* --force .*\n\Z")
+        self.assertIn("was made from a sequence", slammot("evaluate", run, "--against", other, "--force").stderr)
         moved = self.here / "moved"
         shutil.copytree(self.sequence, moved)
         idle = slammot("evaluate", run, "--time-offset", 1.0, code=2).stderr
@@ -337,7 +386,7 @@ class Judge(unittest.TestCase):
         row = next(line for line in table.splitlines() if line.startswith("far"))
         self.assertRegex(row, r" frame \d+ +no$")
         page, out = self.report([far])
-        self.assertRegex(out, r"(?m)^far +1 +100\.0% +1 +0 ")
+        self.assertRegex(out, r"(?m)^far +1 +100\.0% +1 +0 +0 ")
         self.assertIsNotNone(re.search(r"failed at frame \d+", (page / "report.html").read_text()))
 
     # --- docs/judge.md -------------------------------------------------------------------------------

@@ -220,7 +220,7 @@ class Outputs(unittest.TestCase):
                 kept = file.read_bytes()
                 file.unlink()
                 os.mkfifo(file)
-                self.assertIn(f"{name}:0: cannot be read", self.slammot(*command, code=2))
+                self.assertIn(f"{name}: cannot be read", self.slammot(*command, code=2))
                 file.unlink()
                 file.write_bytes(kept)
         author = self.folder / "author"

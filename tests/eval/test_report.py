@@ -76,7 +76,7 @@ def made_run(estimator, landmark, scale, overconfidence, seed):
     total = sum(c["median_ms"] for c in cost)
     smooths = estimator == "window"
     return {
-        "label": f"{estimator}-{landmark}", "estimator": estimator, "landmark": landmark,
+        "label": f"{estimator}-{landmark}", "estimator": estimator, "kind": "filter" if estimator == "ekf" else "smoother", "landmark": landmark,
         "folder": f"{estimator}-{landmark}", "overrides": {"landmark": landmark},
         "configuration": {"landmark": landmark, "gate": 0.95, "classifier": "thesis"},
         "metrics": {
@@ -382,7 +382,31 @@ class Report(unittest.TestCase):
     def test_a_run_that_failed_is_named(self):
         self.comparison["runs"][0]["metrics"].update(failed=True, failed_at=77)
         text = self.text_of_report()
-        self.assertIn("ekf · dynamic_inverse_depth failed at frame 77: its error exceeds a tenth of the path.", text)
+        self.assertIn("ekf · dynamic_inverse_depth failed at frame 77: its error exceeds a tenth of the path so far, and a metre or a tenth of the whole path.", text)
+
+    def test_a_warning_is_on_the_page(self):
+        self.comparison["runs"][0]["metrics"]["warnings"] = [{"frame": 12, "reason": "it is lost"}]
+        self.assertIn("Warned ekf · dynamic_inverse_depth, from frame 12: it is lost.", self.text_of_report())
+        pooled(self.comparison)
+        self.comparison["estimators"][0]["warned"] = 1
+        self.assertIn("Warned ekf: 1 of 12 runs warn. ekf-0, from frame 12: it is lost.", self.text_of_report(run_files=False))
+
+    def test_filter_or_smoother_is_asked_of_both(self):
+        self.assertIn("Filter or smoother? circle", self.text_of_report())
+        self.comparison["runs"] = self.comparison["runs"][:1]
+        self.assertIn("Estimator judged: circle", self.text_of_report(run_files=False))
+
+    def test_equal_runs_are_not_ranked(self):
+        for run in self.comparison["runs"][:2]:
+            run["metrics"]["filtered"]["accuracy"]["position_rmse_m"] = 0.05
+        self.assertRegex(self.text_of_report(), r"Accuracy [^.]* are equally accurate, within 3%: position RMSE of \S+ · \S+ 0\.05 m")
+
+    def test_a_run_made_elsewhere_is_judged_though_nobody_counted_its_measurements(self):
+        run = self.comparison["runs"][0]
+        run.update(kind="foreign", landmark="-", label="mine", estimator="mine", configuration={})
+        run["metrics"]["coverage"].update(accepted=0, landmarks_admitted=0)
+        self.comparison["runs"] = [run]
+        self.assertIn("mine has a position RMSE of", self.text_of_report())
 
     def test_labels_are_counted_where_no_truth_is_known(self):
         without_truth(self.comparison)
@@ -423,7 +447,7 @@ class Report(unittest.TestCase):
     def test_one_run(self):
         del self.comparison["runs"][1:]
         text = self.text_of_report()
-        self.assertIn("1 estimator on the same", text)
+        self.assertIn("1 estimator on 600 frames.", text)
         self.assertIn("ekf · dynamic_inverse_depth has a position RMSE of", text)
 
     def test_a_run_that_ended_before_its_first_frame(self):

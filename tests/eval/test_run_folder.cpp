@@ -166,7 +166,7 @@ TEST(RunFolder, ATrajectoryIsEnough) {
   const RunMetrics metrics = compute_metrics(test::straight_line(3), stored.run, 0.95);
   EXPECT_NEAR(metrics.filtered.accuracy.value->position_rmse, std::sqrt(0.5), 1e-12);
   EXPECT_FALSE(metrics.filtered.consistency.value);
-  EXPECT_EQ(metrics.filtered.consistency.reason, "no covariance of every pose");
+  EXPECT_EQ(metrics.filtered.consistency.reason, "not every pose has a covariance");
 }
 
 TEST(RunFolder, BadLinesAreNamed) {

@@ -119,5 +119,20 @@ TEST(SelfCheck, ARunTooShortToJudgeIsNotJudged) {
   EXPECT_TRUE(self_check(run).empty());
 }
 
+// The first may be a pin, and one that is not stated is no reason.
+TEST(SelfCheck, ACovarianceThatIsNotPositiveDefinite) {
+  RunResult run = run_of(kGood, 0);
+  run.filtered.resize(kFrames);
+  for (CameraEstimate& camera : run.filtered) camera.covariance.setIdentity();
+  run.filtered[0].covariance.setZero();
+  run.filtered[20].covariance.setConstant(kUndefined);
+  EXPECT_TRUE(self_check(run).empty());
+  run.filtered[30].covariance.block<3, 3>(kPosition, kRotation).setConstant(kUndefined);
+  run.filtered[30].covariance(kRotation, kRotation) = -1.0;
+  run.filtered[40].covariance(kPosition, kPosition) = -1.0;
+  EXPECT_THAT(only_reason(run), HasSubstr("2 of 59 covariances"));
+  EXPECT_EQ(self_check(run).front().frame, 30);
+}
+
 }  // namespace
 }  // namespace slammot

@@ -249,7 +249,7 @@ class Page(WithStudy):
         ranked = self.folder / "ranked.yaml"
         ranked.write_text(f"{STUDY}figures: [ranking]\n", encoding="utf-8")
         error = slammot("study", ranked, "--output", self.folder / "ranked", code=2).stderr
-        self.assertRegex(error, r"\A.*ranked\.yaml:0: .*ideal_covariance.*\n\Z")
+        self.assertRegex(error, r"\A.*ranked\.yaml: .*ideal_covariance.*\n\Z")
 
     def test_report(self):
         folder = self.whole

@@ -52,7 +52,7 @@ Observation* find(Frame& frame, int track) {
 
 // Displaced so little that the gate does not see it, but the later frames of the window do.
 TEST(Retest, LetsGoOfAnOutlierThatHasPassedTheGate) {
-  constexpr std::size_t kFrame = 12, kEnd = 20;
+  constexpr std::size_t kFrame = 8, kEnd = 14;
   int tried = 0;
   const Sequence without = clean(kEnd);
   for (const Observation& z : without.frames[kFrame].observations) {

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "datasets/text/nearest_names.h"
 #include "datasets/text/number.h"
 
 namespace slammot {
@@ -50,9 +51,9 @@ struct ToText {
   }
 };
 
-std::string known_names(const Parameters& parameters) {
-  std::string names;
-  for (const Parameter& p : parameters) names += (names.empty() ? "" : ", ") + p.name;
+std::vector<std::string> names(const Parameters& parameters) {
+  std::vector<std::string> names;
+  for (const Parameter& p : parameters) names.push_back(p.name);
   return names;
 }
 
@@ -71,8 +72,9 @@ void apply(const ScenarioOverrides& overrides, std::string_view scenario,
     const auto found = std::find_if(parameters.begin(), parameters.end(),
                                     [&](const Parameter& p) { return p.name == name; });
     if (found == parameters.end()) {
-      throw std::invalid_argument(fmt::format("unknown key '{}' of scenario {} (known: {})", key,
-                                              scenario, known_names(parameters)));
+      throw std::invalid_argument(fmt::format("unknown key '{}' of scenario {}, the nearest are {}",
+                                              key, scenario,
+                                              nearest_names(name, names(parameters))));
     }
     set(*found, text);
   }

@@ -34,7 +34,7 @@ using Parameters = std::vector<Parameter>;
 Parameters joined(Parameters a, Parameters b);
 
 // Sets what is overridden, by its name or as `scenario.name`. Throws std::invalid_argument for an
-// unknown key (naming the known ones) and for a value that is not allowed.
+// unknown key (naming the nearest known ones) and for a value that is not allowed.
 void apply(const ScenarioOverrides& overrides, std::string_view scenario,
            const Parameters& parameters);
 

@@ -6,6 +6,7 @@
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_json.h"
 #include "eval/pooling/estimate_json.h"
+#include "eval/pooling/paired_errors.h"
 #include "eval/statistics/statistics.h"
 #include "eval/study/study_sequence.h"
 #include "eval/study/summary/study_cell.h"
@@ -68,22 +69,15 @@ Finished summarise_cell(const Study& study, std::size_t index, CellLines& result
 
 // Position RMSE of a - b by seed, where both finished; a diverged run loses.
 Json pair_json(const Finished& a, const Finished& b) {
-  std::vector<double> differences;
-  int wins_a = 0, wins_b = 0;
-  for (const auto& [seed, x] : a.position_rmse) {
+  PairedErrors errors;
+  for (const auto& [seed, error] : a.position_rmse) {
     const auto other = b.position_rmse.find(seed);
-    if (other == b.position_rmse.end()) continue;
-    const double y = other->second;
-    wins_a += x < y;
-    wins_b += y < x;
-    if (std::isfinite(x) && std::isfinite(y)) differences.push_back(x - y);
+    if (other != b.position_rmse.end()) errors.add(error, other->second);
   }
-  return {{"a", a.json.at("label")},
-          {"b", b.json.at("label")},
-          {"pairs", a.position_rmse.size()},
-          {"wins_a", wins_a},
-          {"wins_b", wins_b},
-          {"position_rmse_difference_m", json_of(bootstrap(differences, mean))}};
+  return {
+      {"a", a.json.at("label")},   {"b", b.json.at("label")},
+      {"pairs", errors.pairs()},   {"wins_a", errors.wins_a()},
+      {"wins_b", errors.wins_b()}, {"position_rmse_difference_m", json_of(errors.difference())}};
 }
 
 double median_of(const std::vector<double>& samples) { return median(samples); }

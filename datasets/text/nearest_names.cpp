@@ -1,4 +1,4 @@
-#include "eval/configuration/nearest_names.h"
+#include "datasets/text/nearest_names.h"
 
 #include <algorithm>
 #include <numeric>
