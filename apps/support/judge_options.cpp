@@ -8,9 +8,10 @@ namespace slammot {
 
 void add_judge_options(CLI::App& command, JudgeArguments& arguments) {
   command
-      .add_option("--against", arguments.against,
-                  "the sequence with the truth: one for all runs, or one for each in their order; "
-                  "without it, that of run.yaml")
+      .add_option(
+          "--against", arguments.against,
+          "the sequence with the truth: once for all runs, or repeated for each in their order; "
+          "without it, that of run.yaml")
       ->type_name("SEQUENCE")
       ->allow_extra_args(false);
   command

@@ -1,5 +1,7 @@
 #include "eval/compare/report_runs.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 #include <stdexcept>
@@ -61,6 +63,28 @@ std::vector<std::string> names_of(const std::vector<JudgedRun>& runs,
   return names;
 }
 
+bool same_poses(const RunResult& a, const RunResult& b) {
+  return std::ranges::equal(a.judged(), b.judged(), [](const auto& x, const auto& y) {
+    return x.timestamp == y.timestamp && x.state.position == y.state.position &&
+           x.state.orientation.coeffs() == y.state.orientation.coeffs();
+  });
+}
+
+// A run that is pooled with itself would count as two.
+void require_distinct(const std::vector<JudgedRun>& runs, const std::vector<std::string>& names) {
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    for (std::size_t k = i + 1; k < runs.size(); ++k) {
+      const bool same = names[i] == names[k] &&
+                        runs[i].sequence->sha256 == runs[k].sequence->sha256 &&
+                        same_poses(runs[i].stored.run, runs[k].stored.run);
+      if (!same) continue;
+      throw std::invalid_argument(fmt::format("{} and {} are the same run of {}: it counts once",
+                                              runs[i].path.string(), runs[k].path.string(),
+                                              names[i]));
+    }
+  }
+}
+
 ComparedEntry entry_of(const JudgedRun& run, const std::string& label) {
   ComparedEntry entry{label, run.estimator, "foreign", false, run.stored.landmark, {}, {}};
   entry.configuration.assign(run.stored.configuration.begin(), run.stored.configuration.end());
@@ -102,6 +126,7 @@ Json report_runs(const std::vector<JudgedRun>& runs, const Path& output,
                  const std::string& command) {
   const Sequence& first = *runs.front().sequence;
   const std::vector<std::string> labels = labels_of(runs), names = names_of(runs, labels);
+  require_distinct(runs, names);
   std::set<std::string> sequences;  // SHA-256
   Json sequence_names = Json::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {

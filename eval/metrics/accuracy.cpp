@@ -50,7 +50,14 @@ Paths paths_of(const std::vector<PosePair>& pairs) {
   return paths;
 }
 
+// Fewer than three poses are aligned by any rotation about their line, or by any at all.
+constexpr std::size_t kFewestAligned = 3;
+
 void add_aligned_errors(const std::vector<PosePair>& pairs, Accuracy& result) {
+  if (pairs.size() < kFewestAligned) {
+    result.ate_se3 = result.ate_sim3 = result.scale = kUndefined;
+    return;
+  }
   const auto [estimate, truth] = paths_of(pairs);
   const Similarity se3 = align(estimate, truth, AlignmentGroup::kSE3);
   const Similarity sim3 = align(estimate, truth, AlignmentGroup::kSim3);

@@ -66,8 +66,8 @@ std::vector<CameraEstimate> at_frames(const std::vector<CameraEstimate>& estimat
   }
   if (chosen.empty() && !estimates.empty() && !frames.empty()) {
     throw std::invalid_argument(fmt::format(
-        "no pose is within {:.3g} s of a frame: poses from {:.17g} to {:.17g} s, frames from "
-        "{:.17g} to {:.17g} s{}",
+        "no pose is within {:.3g} s of a frame: poses from {:.13g} to {:.13g} s, frames from "
+        "{:.13g} to {:.13g} s{}",
         tolerance, estimates.front().timestamp + matching.offset,
         estimates.back().timestamp + matching.offset, frames.front().timestamp,
         frames.back().timestamp,

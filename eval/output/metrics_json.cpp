@@ -43,7 +43,7 @@ void put_interval(Json& json, const NeesSummary& s) {
 
 void put_series(Json& nees, const PoseConsistency& c) {
   nees["error"] = "[dr (W), dtheta (C, right)]";
-  nees["excluded"] = "frames before the first prediction";
+  nees["excluded"] = "the first judged pose";
   nees["note"] = "frames of one run are correlated: fraction_inside is descriptive";
   put_interval(nees["pose"], c.pose);
   put_interval(nees["position"], c.position);

@@ -1,5 +1,5 @@
 """The comparison in words where estimators have several runs, each put together over them."""
-from verdict import WHY_ALIGNED, alignment_of, error_name, failure_bound, warnings_of
+from verdict import WHY_ALIGNED, alignment_of, apart, error_name, failure_bound, warnings_of
 
 FEWEST = 10  # runs from which an interval over runs decides
 
@@ -58,8 +58,12 @@ def accuracy(comparison):
         return [("Accuracy", ["Not known: no run has a defined error."])]
     sentences = [f"{error_name(comparison)[:1].upper()}{error_name(comparison)[1:]} {alignment_of(comparison)}, 95% interval over runs: " + "; ".join(
         f"{e.name} {between(e.values[comparison.error_key])}" for e in known) + "."]
+    coverage = {e.name: (e.values.get("coverage") or {}).get("value") for e in comparison.estimators}
     for pair in comparison.pairs:
         d = pair["difference"]
+        if apart([coverage.get(pair["a"]), coverage.get(pair["b"])]):
+            sentences.append(f"{pair['a']} and {pair['b']} are not compared: they have poses of {100 * coverage[pair['a']]:.0f}% and {100 * coverage[pair['b']]:.0f}% of the frames.")
+            continue
         which = more_accurate(pair, d)
         if which is None:
             continue
@@ -74,7 +78,7 @@ def consistency_of(e):
     if a is None:
         return None
     if a["infinite"] or a["mean"] is None:
-        return f"{e.name} is not judged: some of its covariances are not positive definite, and their NEES is infinite."
+        return f"{e.name} has no ANEES: some of its covariances are not positive definite."
     text = f"ANEES of the {part} {between({'value': a['mean'], **{k: a[k] for k in ('lower', 'upper')}}, '')} ({a['dof']} expected)"
     if a["lower"] is None or e.runs < FEWEST:
         return f"{e.name}: {text}; {e.runs} run{'s decide' if e.runs > 1 else ' decides'} nothing."

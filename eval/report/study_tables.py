@@ -262,12 +262,12 @@ def pairs_table(summary):
         for pair in group["pairs"]:
             difference = pair["position_rmse_difference_m"]
             rows.append([group["name"], f'{pair["a"]} - {pair["b"]}', str(pair["pairs"]), str(pair["wins_a"]),
-                         str(pair["wins_b"]), with_interval(difference)])
+                         str(pair["wins_b"]), str(pair["pairs"] - pair["wins_a"] - pair["wins_b"]), with_interval(difference)])
     return Table(
         "Paired comparisons",
         "Both estimators use the same measurements. Wins: pairs with the smaller position RMSE (of a batch, of the smoothed trajectory; ATE Sim(3) where the "
         "truth is measured); a diverged run loses. Difference: mean over the pairs in which both finished, 95% bootstrap interval (2000 resamples).",
-        ["scenario", "pair", "pairs", "first wins", "second wins", "difference [m]"], rows)
+        ["scenario", "pair", "pairs", "first wins", "second wins", "equal", "difference [m]"], rows)
 
 
 def metric_cell(metric, cell, which):

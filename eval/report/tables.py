@@ -35,7 +35,7 @@ def columns(comparison, of):
     shown_ones = [metric for metric in comparison.table.values() if metric.of == of and metric.on_page]
     if comparison.aligned:
         shown_ones.sort(key=lambda m: ALIGNED_FIRST.index(m.key) if m.key in ALIGNED_FIRST else len(ALIGNED_FIRST))
-    defined = [m for m in shown_ones if any(run.value(m.key, which) is not None
+    defined = [m for m in shown_ones if any(run.value(m.key, which) is not None or is_infinite(run, m)
                                             for run in comparison.runs for which in ("filtered", "smoothed"))]
     return defined or (shown_ones if of == "trajectory" else [])
 
@@ -61,6 +61,14 @@ def summary_head(comparison):
     return head + [("frames", "", "frames done")]
 
 
+def is_infinite(run, metric):
+    """A mean NEES, of which a covariance was not positive definite."""
+    if not metric.key.startswith("nees.") or not metric.key.endswith(".mean") or run.value(metric.key) is not None:
+        return False
+    counter = metric.key.replace(".mean", ".covariances_not_positive_definite")
+    return counter in run.table and bool(run.value(counter))
+
+
 def summary(comparison):
     """A row per run: (run, cells, cells of the smoothed trajectory or None, columns that it leaves empty)."""
     of_trajectory, of_run = columns(comparison, "trajectory"), columns(comparison, "run")
@@ -73,7 +81,7 @@ def summary(comparison):
         for m in of_trajectory + of_run:
             value = run.value(m.key)
             wins = run.divergence is None and value is not None and value == best[m.key]
-            cells.append(Cell(metrics.text(m, value), wins))
+            cells.append(Cell("∞" if is_infinite(run, m) else metrics.text(m, value), wins))
         smoothed = None
         if run.metric("smoothed") and run.judged != "smoothed":
             smoothed = [Cell(metrics.text(m, run.value(m.key, "smoothed"))) for m in of_trajectory]
@@ -122,7 +130,8 @@ def pooled(comparison):
     rows = []
     for e in comparison.estimators:
         coverage = e.values.get("coverage") or {"value": None}
-        inside = e.anees.get("pose", {}).get("inside")
+        pose = e.anees.get("pose") or {"infinite": 0}
+        inside = None if pose["infinite"] else pose.get("inside")
         cells = [(Cell(str(e.runs)), ""), (Cell(percent(coverage["value"])), ""),
                  (Cell(str(e.failed)), "over" if e.failed else ""), (Cell(str(e.diverged)), "over" if e.diverged else ""),
                  (Cell(shown(e.warned)), "")]
@@ -140,7 +149,7 @@ def pairs(comparison):
         if pair["pairs"]:
             rows.append((" − ".join(names.get(pair[which], pair[which]) for which in "ab"),
                          [Cell(str(pair["pairs"])), Cell(str(pair["wins_a"])), Cell(str(pair["wins_b"])),
-                          with_interval(pair["difference"])]))
+                          Cell(str(pair["pairs"] - pair["wins_a"] - pair["wins_b"])), with_interval(pair["difference"])]))
     return rows
 
 

@@ -112,6 +112,12 @@ def unmeasured(runs):
     return all(count == 0 for count in counts)
 
 
+def apart(coverages):
+    """Whether runs were judged over frames so different that their errors do not compare."""
+    known = [c for c in coverages if c is not None]
+    return bool(known) and max(known) - min(known) > 0.1
+
+
 def accuracy(comparison, runs):
     if unmeasured(runs):
         return [("Accuracy", ["Not judged: no run used any measurement."])]
@@ -124,6 +130,10 @@ def accuracy(comparison, runs):
     if len(rows) == 1:
         article = "an" if comparison.aligned else "a"
         return [("Accuracy", [f"{best.name} has {article} {error_name(comparison)} of {metres(value)}, {alignment_of(comparison)}.", *why])]
+    coverages = [run.metric(run.judged, "accuracy", "coverage") for _, run in rows]
+    if apart(coverages):
+        each = "; ".join(f"{run.name} {metres(v)}, of {100 * c:.0f}% of the frames" for (v, run), c in zip(rows, coverages) if c is not None)
+        return [("Accuracy", [f"Not compared, as the frames that have poses differ. {error_name(comparison)[:1].upper()}{error_name(comparison)[1:]}, {alignment_of(comparison)}: {each}.", *why])]
     others = ", ".join(f"{run.name} {metres(v)}" for v, run in rows[1:])
     equal = [run.name for v, run in rows if value >= (1.0 - SAME) * v]
     which = f"{best.name} is the most accurate" if len(equal) == 1 else f"{listed(equal)} are equally accurate, within {100 * SAME:.0f}%"
@@ -141,7 +151,7 @@ def consistency_of(run):
     ratio = nees_ratio(run)
     failures = run.value("nees.pose.covariances_not_positive_definite") or 0
     if failures:
-        return f"{run.name} reports {failures} covariances that are not positive definite."
+        return f"{run.name} has no mean NEES: {failures} of its covariances {'is' if failures == 1 else 'are'} not positive definite."
     coverage = run.value("nees.pose.fraction_inside")
     text = (f"{run.name} is {judged(ratio)}: mean pose NEES {6 * ratio:.3g} (6 expected)")
     if coverage is not None:

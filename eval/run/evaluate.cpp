@@ -85,6 +85,16 @@ void place_in_time(const Path& path, const Sequence& sequence, const TimeMatchin
   throw InputError(path, 0, error.what());
 }
 
+// Accuracy and NEES are over the frames that have a pose: few can hide a large error.
+std::optional<RunWarning> few_poses(const Sequence& sequence, const RunResult& run) {
+  constexpr double kFew = 0.5;
+  const auto frames = static_cast<double>(sequence.frames.size());
+  if (static_cast<double>(run.frames.size()) >= kFew * frames) return {};
+  return RunWarning{run.frames.front(),
+                    fmt::format("{} of {} frames have a pose, and only these are judged",
+                                run.frames.size(), sequence.frames.size())};
+}
+
 std::optional<std::string> other_sequence(const StoredRun& stored, const Sequence& sequence) {
   if (stored.sequence_sha256.empty() || stored.sequence_sha256 == sequence.sha256) return {};
   return fmt::format("was made from a sequence with SHA-256 {:.8}.., but {} has {:.8}..",
@@ -127,7 +137,11 @@ JudgedRun Judge::operator()(const Path& run, const std::optional<Path>& against)
                 judged.stored.run);
   take_truth_from(*judged.sequence, judged.stored.run);
   std::vector<RunWarning>& warnings = judged.stored.run.warnings;
-  if (!judged.stored.own) warnings = self_check(judged.stored.run);
+  if (!judged.stored.own) {
+    warnings = self_check(judged.stored.run);
+    const auto few = few_poses(*judged.sequence, judged.stored.run);
+    if (few) warnings.insert(warnings.begin(), *few);
+  }
   if (other) warnings.insert(warnings.begin(), {0, *other});
   judged.estimator = estimator_name(run, judged.stored);
   judged.metrics =

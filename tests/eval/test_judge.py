@@ -332,6 +332,7 @@ class Judge(unittest.TestCase):
         page, out = self.report([run])
         self.assertRegex(out, r"(?m)^run +1 +100\.0% +0 +0 +1 ")
         self.assertIn(reason, (page / "report.html").read_text())
+        self.assertTrue("<td>∞</td>" in (page / "report.html").read_text())
 
     def test_equal_runs_are_no_wins(self):
         runs = self.draw("mine", 12)
@@ -345,6 +346,30 @@ class Judge(unittest.TestCase):
         pair, = json.loads((page / "compare.json").read_text())["pairs"]
         self.assertEqual((pair["pairs"], pair["wins_a"], pair["wins_b"]), (12, 0, 0))
         self.assertEqual([pair["difference"][key] for key in ("value", "lower", "upper")], [0.0, 0.0, 0.0])
+
+    def test_poses_of_few_frames_warn_and_are_not_compared(self):
+        runs = self.draw("mine", 12)
+        for run in runs:
+            rows = [row.split(" ", 1) for row in (run / "trajectory.tum").read_text().splitlines()]
+            for name, scale in (("nano", 1e9), ("slow", 1.0)):
+                (self.here / name).mkdir(exist_ok=True)
+                (self.here / name / f"{name}-{run.name}.tum").write_text("".join(f"{scale * float(t):.17g} {rest}\n" for t, rest in rows))
+        nano, slow = (sorted((self.here / name).iterdir()) for name in ("nano", "slow"))
+        done = slammot("evaluate", nano[0], "--against", self.sequence)
+        self.assertIn(f"1 of {FRAMES} frames have a pose", done.stderr)
+        self.assertRegex(done.stdout, r"(?m)^nano-mine-01 +nano-mine +0\.3% +\S+ +\S+ +- +- +- ")  # nothing to align
+        page, _ = self.report([*nano, *slow])
+        text = (page / "report.html").read_text()
+        self.assertIn("nano-mine and slow-mine are not compared: they have poses of 0% and 100% of the frames.", text)
+        self.assertNotIn("is more accurate than", text)
+
+    def test_a_run_counts_once(self):
+        runs = self.draw("mine", 2)
+        shutil.copytree(runs[0], self.here / "mine-07")
+        for twice in ([runs[0], runs[0]], [*runs, self.here / "mine-07"]):
+            error = slammot("report", *twice, "--against", self.sequence, "--output", self.here / "twice", code=2).stderr
+            self.assertRegex(error, r"\Aslammot: .* are the same run of mine: it counts once\n\Z")
+            self.assertFalse((self.here / "twice").exists())
 
     def test_footnotes_are_of_columns_that_are_there(self):
         run, = self.draw("run", 1)

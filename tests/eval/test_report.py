@@ -396,6 +396,13 @@ class Report(unittest.TestCase):
         self.comparison["runs"] = self.comparison["runs"][:1]
         self.assertIn("Estimator judged: circle", self.text_of_report(run_files=False))
 
+    def test_runs_over_other_frames_are_not_ranked(self):
+        for run, coverage in zip(self.comparison["runs"], (1.0, 0.95, 0.5, 1.0)):
+            run["metrics"]["filtered"]["accuracy"]["coverage"] = coverage
+        text = self.text_of_report()
+        self.assertIn("Not compared, as the frames that have poses differ.", text)
+        self.assertNotIn("most accurate", text)
+
     def test_equal_runs_are_not_ranked(self):
         for run in self.comparison["runs"][:2]:
             run["metrics"]["filtered"]["accuracy"]["position_rmse_m"] = 0.05
