@@ -65,7 +65,8 @@ Json anees_of(const Json& estimator, const std::string& part) {
 
 std::string inside_of(const Json& estimator) {
   const Json pose = anees_of(estimator, "pose");
-  return pose.is_object() ? fmt::format("{:.0f}%", 100.0 * pose.at("inside").get<double>()) : "-";
+  if (!pose.is_object() || pose.at("infinite") != 0) return "-";
+  return fmt::format("{:.0f}%", 100.0 * pose.at("inside").get<double>());
 }
 
 std::string coverage_of(const Json& estimator) {
@@ -104,7 +105,7 @@ int report_runs_to(const ReportArguments& arguments) {
   std::fflush(stdout);
   std::vector<NamedMetrics> results;
   for (const JudgedRun& run : runs) {
-    results.push_back({run_name(run.path), run.estimator, run.stored.landmark, run.metrics});
+    results.push_back({run.path.string(), run.estimator, run.stored.landmark, run.metrics});
   }
   fmt::print(stderr, "{}", warning_lines(results));
   return finish(write_compare_report(output));

@@ -29,10 +29,9 @@ void add_judge_options(CLI::App& command, JudgeArguments& arguments) {
                   "between a pose made elsewhere and its frame; without it, half a frame")
       ->type_name("SECONDS")
       ->check(CLI::PositiveNumber);
-  command.add_flag(
-      "--force", arguments.force,
-      "judge a run against another sequence than the one it was made from, and replace an "
-      "earlier output");
+  command.add_flag("--force-sequence", arguments.force_sequence,
+                   "judge a run against another sequence than the one it was made from");
+  command.add_flag("--force", arguments.force, "replace an earlier output");
 }
 
 namespace {
@@ -63,7 +62,7 @@ std::vector<JudgedRun> judged(const JudgeArguments& arguments) {
   if (arguments.max_difference > 0.0) {
     options.foreign.times.max_difference = arguments.max_difference;
   }
-  options.force = arguments.force;
+  options.force_sequence = arguments.force_sequence;
   Judge judge(options);
   std::vector<JudgedRun> runs;
   for (std::size_t i = 0; i < arguments.runs.size(); ++i) {

@@ -15,6 +15,7 @@ struct JudgeArguments {
   std::string convention = "position-first,right,global";
   double time_offset = 0.0;
   double max_difference = 0.0;
+  bool force_sequence = false;
   bool force = false;
 };
 

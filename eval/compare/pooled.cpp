@@ -46,6 +46,14 @@ Json values_of_all(const std::vector<const RunMetrics*>& runs) {
   return json;
 }
 
+// Errors over some of the frames do not compare with errors over others.
+bool over_other_frames(const RunMetrics& a, const RunMetrics& b) {
+  constexpr double kApart = 0.1;
+  if (a.diverged || b.diverged) return false;  // which loses
+  const auto coverage = [](const RunMetrics& m) { return value_of(m.judged().values, "coverage"); };
+  return std::abs(coverage(a) - coverage(b)) > kApart;
+}
+
 }  // namespace
 
 void Pool::add(const std::string& name, const Sequence& sequence, const RunResult& run,
@@ -111,7 +119,9 @@ Json Pool::pair_json(const std::string& a, const std::string& b) const {
   for (const Run& run : runs_.at(a)) {
     const std::size_t i = taken[run.sequence]++;
     if (i >= of_b[run.sequence].size()) continue;
-    errors.add(run.error, of_b[run.sequence][i]->error);
+    const Run& other = *of_b[run.sequence][i];
+    if (over_other_frames(run.metrics, other.metrics)) continue;
+    errors.add(run.error, other.error);
   }
   return {{"a", a},
           {"b", b},

@@ -3,7 +3,8 @@
 //
 // Estimates are means over runs (root mean squares of RMSEs) with 95% bootstrap intervals over
 // runs. ANEES is the mean over runs and frames. Runs are paired where they were judged against the
-// same sequence, in their order; a diverged run loses.
+// same sequence, in their order; a diverged run loses, and
+// runs with poses of shares of the frames that differ by more than a tenth are no pair.
 #pragma once
 
 #include <map>

@@ -63,10 +63,14 @@ std::vector<std::string> names_of(const std::vector<JudgedRun>& runs,
   return names;
 }
 
-bool same_poses(const RunResult& a, const RunResult& b) {
+// To the last digit, of a path: one pose says nothing.
+bool same_estimates(const RunResult& a, const RunResult& b) {
+  if (a.judged().size() < 3) return false;
   return std::ranges::equal(a.judged(), b.judged(), [](const auto& x, const auto& y) {
+    const auto P = x.covariance.array(), Q = y.covariance.array();
     return x.timestamp == y.timestamp && x.state.position == y.state.position &&
-           x.state.orientation.coeffs() == y.state.orientation.coeffs();
+           x.state.orientation.coeffs() == y.state.orientation.coeffs() &&
+           (P == Q || (P.isNaN() && Q.isNaN())).all();
   });
 }
 
@@ -76,7 +80,7 @@ void require_distinct(const std::vector<JudgedRun>& runs, const std::vector<std:
     for (std::size_t k = i + 1; k < runs.size(); ++k) {
       const bool same = names[i] == names[k] &&
                         runs[i].sequence->sha256 == runs[k].sequence->sha256 &&
-                        same_poses(runs[i].stored.run, runs[k].stored.run);
+                        same_estimates(runs[i].stored.run, runs[k].stored.run);
       if (!same) continue;
       throw std::invalid_argument(fmt::format("{} and {} are the same run of {}: it counts once",
                                               runs[i].path.string(), runs[k].path.string(),
@@ -130,7 +134,7 @@ Json report_runs(const std::vector<JudgedRun>& runs, const Path& output,
   std::set<std::string> sequences;  // SHA-256
   Json sequence_names = Json::array();
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    require_room(runs[i], output / labels[i]);
+    for (const std::string& label : labels) require_room(runs[i], output / label);
     const bool is_new = sequences.insert(runs[i].sequence->sha256).second;
     if (is_new) sequence_names.push_back(runs[i].sequence->name);
     if (runs[i].sequence->exact_truth != first.exact_truth) {

@@ -114,7 +114,8 @@ std::string failure_bound(bool after_alignment) {
   return after_alignment
              ? "a tenth of the path or a third of the largest distance from its start, after "
                "alignment"
-             : "a tenth of the path so far, and a metre or a tenth of the whole path";
+             : "a tenth of the path so far, and a metre or a tenth of the whole path, "
+               "whichever is less";
 }
 
 Accuracy accuracy(const std::vector<PosePair>& pairs, double relative_interval) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 namespace slammot {
@@ -109,6 +110,23 @@ std::vector<TextRow> run_rows(const Names& names, const std::vector<NamedMetrics
   return rows;
 }
 
+// Why there are dashes: a line for each reason.
+std::string reasons(const std::vector<NamedMetrics>& results) {
+  std::map<std::string, std::string> labels_of;
+  for (const NamedMetrics& r : results) {
+    const TrajectoryMetrics& judged = r.metrics.judged();
+    const bool no_accuracy = !judged.accuracy.value;
+    if (!no_accuracy && judged.consistency.value) continue;
+    const std::string reason = no_accuracy ? "No accuracy (" + judged.accuracy.reason + "): "
+                                           : "No NEES (" + judged.consistency.reason + "): ";
+    std::string& labels = labels_of[reason];
+    labels += (labels.empty() ? "" : ", ") + r.label;
+  }
+  std::string text;
+  for (const auto& [reason, labels] : labels_of) text += reason + labels + ".\n";
+  return text;
+}
+
 }  // namespace
 
 std::string aligned(const std::vector<TextRow>& rows, std::size_t names) {
@@ -149,10 +167,16 @@ std::string metrics_table(const std::vector<NamedMetrics>& results) {
   const std::vector<TextRow> of_runs = run_rows(names, results);
   const bool own = of_runs.size() > 1;
   if (own) text += "\n" + aligned(of_runs, left);
-  if (std::ranges::any_of(of_trajectories.front(), [](auto& h) { return h.ends_with(')'); })) {
-    text +=
-        "In parentheses: the mean of a consistent estimator. NEES of one run is a mean over "
-        "correlated frames, without the first.\n";
+  const auto has = [](const TextRow& head, auto is) { return std::ranges::any_of(head, is); };
+  const auto expects = [](const char* name) {
+    return [=](const std::string& h) { return h.find(name) != std::string::npos; };
+  };
+  const bool nees = has(of_trajectories.front(), expects("NEES ("));
+  const bool nis = own && has(of_runs.front(), expects("NIS ("));
+  text += reasons(results);
+  if (nees || nis) text += "In parentheses: the mean of a consistent estimator.\n";
+  if (nees) {
+    text += "NEES of one run is a mean over correlated frames, without the first.\n";
   }
   if (own) {
     text += "The gate cuts off the tail of the NIS. r/w/u: right, wrong, undecided.\n";

@@ -98,8 +98,8 @@ class Comparison:
 
     @property
     def pooled(self):
-        """Whether some estimator has several runs: the page then is about estimators."""
-        return any(estimator.runs > 1 for estimator in self.estimators)
+        """Whether there are several runs of an estimator, or several sequences: the page then is about estimators."""
+        return self.sequence.get("count", 1) > 1 or any(estimator.runs > 1 for estimator in self.estimators)
 
     @property
     def title(self):

@@ -1,4 +1,5 @@
 """The table of metrics as the program writes it into compare.json and summary.json: what each number is."""
+import math
 from dataclasses import dataclass
 
 UNDEFINED = "–"
@@ -40,10 +41,15 @@ def text(metric, value):
     return f"{value:.{0 if metric.form == 'count' else metric.decimals}f}"
 
 
+def equal(a, b):
+    """Whether two values differ by no more than rounding."""
+    return a is not None and b is not None and math.isclose(a, b, rel_tol=1e-9)
+
+
 def best(metric, values, expected):
     """The best of these values, or None where the metric has none or all are equal."""
     values = [value for value in values if value is not None]
-    if metric.better == "neither" or len(set(values)) < 2:
+    if metric.better == "neither" or not values or equal(min(values), max(values)):
         return None
     if metric.better == "expected":
         return min(values, key=lambda value: abs(value - expected)) if expected is not None else None

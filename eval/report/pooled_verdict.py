@@ -45,9 +45,9 @@ def warned(comparison):
     """The number of runs that warn, and the reasons of the first of them."""
     sentences = []
     for e in comparison.estimators:
-        runs = [run for run in comparison.runs if run.pooled == e.name and run.warnings]
+        runs = [run for run in comparison.runs if run.pooled == e.name and (run.warnings or run.divergence)]
         if runs:
-            sentences.append(f"{e.name}: {len(runs)} of {e.runs} runs warn. {' '.join(warnings_of(runs[0]))}")
+            sentences.append(f"{e.name}: {len(runs)} of {e.runs} runs warn{' or diverged' if e.diverged else ''}. {' '.join(warnings_of(runs[0]))}".strip())
     return [("Warned", sentences)] if sentences else []
 
 

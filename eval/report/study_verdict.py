@@ -80,7 +80,7 @@ def consistency_of(summary, label):
     if not parts:
         return None
     if len(means) < len(parts):
-        return f"{label} reports covariances that are not positive definite."
+        return f"{label} has no ANEES: some of its covariances are not positive definite."
     text = f"ANEES of the pose {range_of(means)} ({POSE} expected), {range_of([100 * p['inside'] for p in parts])}% of the frames inside"
     if not any(map(decides, parts)):
         return f"{label}: {text}; fewer than {FEWEST} runs decide nothing."

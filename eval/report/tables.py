@@ -2,6 +2,7 @@
 from dataclasses import dataclass
 
 import metrics
+import verdict
 from metrics import UNDEFINED
 from pooled_verdict import anees_class
 
@@ -75,12 +76,13 @@ def summary(comparison):
     competing = [run for run in comparison.runs if run.divergence is None]
     best = {m.key: metrics.best(m, [run.value(m.key) for run in competing], expected(comparison, m))
             for m in of_trajectory + of_run}
+    apart = verdict.apart([run.metric(run.judged, "accuracy", "coverage") for run in competing])
     rows = []
     for run in comparison.runs:
         cells = []
         for m in of_trajectory + of_run:
             value = run.value(m.key)
-            wins = run.divergence is None and value is not None and value == best[m.key]
+            wins = run.divergence is None and metrics.equal(value, best[m.key]) and not (apart and m.of == "trajectory")
             cells.append(Cell("∞" if is_infinite(run, m) else metrics.text(m, value), wins))
         smoothed = None
         if run.metric("smoothed") and run.judged != "smoothed":
@@ -102,7 +104,7 @@ def anees_cell(estimator, part):
     if not a:
         return Cell(UNDEFINED), ""
     if a["infinite"] or a["mean"] is None:
-        return Cell("∞"), "over"
+        return Cell("∞"), ""
     return with_interval({"value": a["mean"], "lower": a["lower"], "upper": a["upper"]}), anees_class(a)
 
 

@@ -27,7 +27,7 @@ def alignment_of(comparison):
 def failure_bound(aligned):
     """What the error of a failed run exceeds."""
     return ("a tenth of the path or a third of the largest distance from its start, after alignment" if aligned else
-            "a tenth of the path so far, and a metre or a tenth of the whole path")
+            "a tenth of the path so far, and a metre or a tenth of the whole path, whichever is less")
 
 
 WHY_ALIGNED = ("The truth is measured, and images of one camera tell neither frame nor scale: "
@@ -90,7 +90,7 @@ def warned(comparison):
 def within_landmark_model(rows):
     """The same landmark model under different estimators: the question this program is for."""
     sentences = []
-    for landmark in dict.fromkeys(run.landmark for _, run in rows):
+    for landmark in dict.fromkeys(run.landmark for _, run in rows if run.landmark not in ("", "-")):
         same = [(value, run) for value, run in rows if run.landmark == landmark]
         if len({run.estimator for _, run in same}) < 2:
             continue

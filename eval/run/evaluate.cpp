@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "datasets/readers/reader.h"
@@ -89,10 +90,17 @@ void place_in_time(const Path& path, const Sequence& sequence, const TimeMatchin
 std::optional<RunWarning> few_poses(const Sequence& sequence, const RunResult& run) {
   constexpr double kFew = 0.5;
   const auto frames = static_cast<double>(sequence.frames.size());
-  if (static_cast<double>(run.frames.size()) >= kFew * frames) return {};
+  if (run.frames.empty() || static_cast<double>(run.frames.size()) >= kFew * frames) return {};
   return RunWarning{run.frames.front(),
                     fmt::format("{} of {} frames have a pose, and only these are judged",
                                 run.frames.size(), sequence.frames.size())};
+}
+
+// A run of this program may have said it already.
+void add_new(const std::optional<RunWarning>& warning, std::vector<RunWarning>& warnings) {
+  const auto known = [&](const RunWarning& w) { return w.reason == warning->reason; };
+  if (!warning || std::ranges::any_of(warnings, known)) return;
+  warnings.insert(warnings.begin(), *warning);
 }
 
 std::optional<std::string> other_sequence(const StoredRun& stored, const Sequence& sequence) {
@@ -129,20 +137,18 @@ JudgedRun Judge::operator()(const Path& run, const std::optional<Path>& against)
   judged.sequence = sequence_at(*path);
   judged.stored = read_any(run, *judged.sequence, options_.foreign);
   const auto other = other_sequence(judged.stored, *judged.sequence);
-  if (other && !options_.force) {
-    throw InputError(run / run_files::kDescription, 0, *other + "; --force judges it all the same");
+  if (other && !options_.force_sequence) {
+    throw InputError(run / run_files::kDescription, 0,
+                     *other + "; --force-sequence judges it all the same");
   }
   const TimeMatching exactly;
   place_in_time(run, *judged.sequence, judged.stored.own ? exactly : options_.foreign.times,
                 judged.stored.run);
   take_truth_from(*judged.sequence, judged.stored.run);
   std::vector<RunWarning>& warnings = judged.stored.run.warnings;
-  if (!judged.stored.own) {
-    warnings = self_check(judged.stored.run);
-    const auto few = few_poses(*judged.sequence, judged.stored.run);
-    if (few) warnings.insert(warnings.begin(), *few);
-  }
-  if (other) warnings.insert(warnings.begin(), {0, *other});
+  add_new(covariance_warning(judged.stored.run), warnings);
+  add_new(few_poses(*judged.sequence, judged.stored.run), warnings);
+  if (other) add_new(RunWarning{0, *other}, warnings);
   judged.estimator = estimator_name(run, judged.stored);
   judged.metrics =
       compute_metrics(*judged.sequence, judged.stored.run, judged.stored.gate_probability);

@@ -21,7 +21,7 @@ struct ForeignOptions {
 
 struct JudgeOptions {
   ForeignOptions foreign;
-  bool force = false;  // also against another sequence than run.yaml states by its SHA-256
+  bool force_sequence = false;  // also another than run.yaml states by its SHA-256
 };
 
 struct JudgedRun {

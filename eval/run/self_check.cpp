@@ -125,31 +125,29 @@ std::optional<RunWarning> rotation_is_wrong(std::span<const RotationSpan> spans)
                                 wrong, spans.size(), angles[wrong / 2] * 180.0 / std::numbers::pi)};
 }
 
-bool is_impossible(const CameraEstimate& camera) {
-  const auto& P = camera.covariance;
-  const auto fails = [&](int first, int size) {
-    const auto block = P.block(first, first, size, size);
-    return !block.hasNaN() && !is_positive_definite(block);  // NaN: not stated
-  };
-  return fails(kPosition, 6) || fails(kPosition, 3) || fails(kRotation, 3);
-}
+}  // namespace
 
-// But for the first, which may be a pin and is left out of the NEES.
-std::optional<RunWarning> covariance_is_wrong(const RunResult& run) {
+std::optional<RunWarning> covariance_warning(const RunResult& run) {
   const std::vector<CameraEstimate>& cameras = run.judged();
-  const std::size_t count = std::min(cameras.size(), run.frames.size());
-  int wrong = 0, first = 0;
-  for (std::size_t i = 1; i < count; ++i) {
-    if (!is_impossible(cameras[i])) continue;
-    if (wrong++ == 0) first = run.frames[i];
+  int stated = 0, wrong = 0, first = 0;
+  // But for the first, which may be a pin and is left out of the NEES.
+  for (std::size_t i = 1; i < std::min(cameras.size(), run.frames.size()); ++i) {
+    const auto& P = cameras[i].covariance;
+    bool states = false, fails = false;
+    for (const auto& [begin, size] : {std::pair{kPosition, 6}, {kPosition, 3}, {kRotation, 3}}) {
+      const auto block = P.block(begin, begin, size, size);
+      if (block.hasNaN()) continue;  // not stated
+      states = true;
+      fails = fails || !is_positive_definite(block);
+    }
+    stated += states;
+    if (fails && wrong++ == 0) first = run.frames[i];
   }
   if (wrong == 0) return std::nullopt;
-  return RunWarning{first, fmt::format("{} of {} covariances of the pose are not positive "
-                                       "definite: their NEES is infinite",
-                                       wrong, count - 1)};
+  return RunWarning{first, fmt::format("covariances of the pose that are not positive definite: "
+                                       "{} of {}",
+                                       wrong, stated)};
 }
-
-}  // namespace
 
 std::vector<RunWarning> self_check(const RunResult& run, std::span<const RotationSpan> rotations) {
   std::vector<RunWarning> warnings;
@@ -162,7 +160,7 @@ std::vector<RunWarning> self_check(const RunResult& run, std::span<const Rotatio
   check(kFrames, nothing_is_used);
   check(kFrames, hardly_any_is_static);
   if (auto warning = rotation_is_wrong(rotations)) warnings.push_back(std::move(*warning));
-  if (auto warning = covariance_is_wrong(run)) warnings.push_back(std::move(*warning));
+  if (auto warning = covariance_warning(run)) warnings.push_back(std::move(*warning));
   std::ranges::stable_sort(warnings, {}, &RunWarning::frame);
   return warnings;
 }

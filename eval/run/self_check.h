@@ -2,6 +2,7 @@
 // numbers that are finite and wrong, and a covariance that is small.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "estimation/rotation_span.h"
@@ -13,5 +14,8 @@ namespace slammot {
 // where nobody compared them.
 std::vector<RunWarning> self_check(const RunResult& run,
                                    std::span<const RotationSpan> rotations = {});
+
+// Covariances of the pose that are not positive definite, the first pose left out.
+std::optional<RunWarning> covariance_warning(const RunResult& run);
 
 }  // namespace slammot

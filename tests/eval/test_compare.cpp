@@ -7,6 +7,7 @@
 #include "eval/compare/comparison_json.h"
 #include "eval/compare/pooled.h"
 #include "eval/output/metrics_table.h"
+#include "eval/pooling/paired_errors.h"
 #include "tests/eval/fixture.h"
 
 namespace slammot {
@@ -93,6 +94,19 @@ TEST(Compare, ABatchIsJudgedByWhatItSmooths) {
   run.batch = false;
   EXPECT_TRUE(compute_metrics(sequence, run, 0.95).failed);
   EXPECT_FALSE(compute_metrics(sequence, run, 0.95).lagged.empty());
+}
+
+TEST(Compare, ErrorsThatDifferByRoundingAreTies) {
+  PairedErrors errors;
+  errors.add(0.5, 0.5 * (1.0 + 1e-12));
+  errors.add(INFINITY, INFINITY);
+  EXPECT_EQ(errors.wins_a() + errors.wins_b(), 0);
+  EXPECT_EQ(errors.difference().value, 0.0);
+  errors.add(0.5, 0.5 * (1.0 + 1e-6));
+  errors.add(INFINITY, 0.5);
+  EXPECT_EQ(errors.pairs(), 4);
+  EXPECT_EQ(errors.wins_a(), 1);
+  EXPECT_EQ(errors.wins_b(), 1);
 }
 
 TEST(Compare, MistakesAreFoundBeforeTheFirstRun) {

@@ -327,12 +327,45 @@ class Judge(unittest.TestCase):
         cells = rows[8].split(",")
         rows[8] = ",".join([cells[0], "-" + cells[1], *cells[2:]])
         (run / "pose_covariance.csv").write_text("\n".join(rows) + "\n")
-        reason = f"from frame 7: 1 of {FRAMES - 1} covariances of the pose are not positive definite"
+        reason = f"from frame 7: covariances of the pose that are not positive definite: 1 of {FRAMES - 1}"
         self.assertIn(f"slammot: warning: run-01, {reason}", slammot("evaluate", run, "--against", self.sequence).stderr)
         page, out = self.report([run])
         self.assertRegex(out, r"(?m)^run +1 +100\.0% +0 +0 +1 ")
         self.assertIn(reason, (page / "report.html").read_text())
         self.assertTrue("<td>∞</td>" in (page / "report.html").read_text())
+
+    def test_a_covariance_of_a_run_of_this_program_is_looked_at_again(self):
+        run = self.here / "ekf"
+        slammot("run", self.sequence, "--estimator", "ekf", "--set", "frames.last=20", "--output", run)
+        rows = (run / "pose_covariance.csv").read_text().splitlines()
+        cells = rows[-3].split(",")
+        rows[-3] = ",".join([cells[0], "-" + cells[1], *cells[2:]])
+        (run / "pose_covariance.csv").write_text("\n".join(rows) + "\n")
+        error = slammot("evaluate", run).stderr
+        self.assertIn("from frame 18: covariances of the pose that are not positive definite: 1 of 20", error)
+        self.assertIn(f"21 of {FRAMES} frames have a pose", error)
+
+    def test_no_run_that_is_read_is_written_over(self):
+        runs = self.draw("mine", 3)
+        page = self.here / "page"
+        inputs = [self.here / "x" / "mine", self.here / "y" / "mine"]
+        for run, folder in zip(runs, inputs):
+            shutil.copytree(run, folder)
+        slammot("report", *inputs, "--against", self.sequence, "--output", page)
+        shutil.copytree(runs[2], page / "x-mine", dirs_exist_ok=True)
+        before = (page / "x-mine" / "trajectory.tum").read_bytes()
+        error = slammot("report", *inputs, page / "x-mine", "--against", self.sequence, "--output", page, "--force", code=2).stderr
+        self.assertIn("would write over the run", error)
+        self.assertEqual((page / "x-mine" / "trajectory.tum").read_bytes(), before)
+
+    def test_runs_that_share_one_pose_are_two(self):
+        runs = self.draw("mine", 2)
+        for i, run in enumerate(runs):
+            rows = (run / "trajectory.tum").read_text().splitlines()
+            rows[0] = rows[0].split(" ", 1)[0] + " 0 0 0 0 0 0 1"
+            (self.here / f"n-{i}.tum").write_text("".join(f"{1e9 * float(t):.17g} {rest}\n" for t, rest in (row.split(" ", 1) for row in rows)))
+        _, out = self.report(sorted(self.here.glob("n-*.tum")))
+        self.assertRegex(out, r"(?m)^n +2 +0\.3% +0 +0 +2 ")
 
     def test_equal_runs_are_no_wins(self):
         runs = self.draw("mine", 12)
@@ -362,6 +395,20 @@ class Judge(unittest.TestCase):
         text = (page / "report.html").read_text()
         self.assertIn("nano-mine and slow-mine are not compared: they have poses of 0% and 100% of the frames.", text)
         self.assertNotIn("is more accurate than", text)
+        pair, = json.loads((page / "compare.json").read_text())["pairs"]
+        self.assertEqual(pair["pairs"], 0)
+
+    def test_runs_on_two_sequences_are_not_ranked(self):
+        run, = self.draw("mine", 1)
+        other, ekf = self.here / "other", self.here / "ekf"
+        slammot("simulate", "circle", "--set", "frames=30", "--seed", 9, "--output", other)
+        slammot("run", other, "--estimator", "ekf", "--output", ekf)
+        page = self.here / "page"
+        slammot("report", run, ekf, "--against", self.sequence, "--against", other, "--output", page)
+        text = (page / "report.html").read_text()
+        self.assertIn("on 2 sequences", text)
+        for wrong in ("most accurate", "on the same", "Paired differences"):
+            self.assertNotIn(wrong, text)
 
     def test_a_run_counts_once(self):
         runs = self.draw("mine", 2)
@@ -379,6 +426,7 @@ class Judge(unittest.TestCase):
             out = slammot("evaluate", *runs, "--against", self.sequence).stdout
             self.assertEqual("In parentheses" in out, of_nees, out)
             self.assertEqual("(6)" in out, of_nees, out)
+            self.assertIn("No NEES (not every pose has a covariance): bare.", out)
             self.assertNotIn("NIS", out)
             self.assertNotIn("r/w/u", out)
 
@@ -395,8 +443,8 @@ class Judge(unittest.TestCase):
         slammot("run", self.sequence, "--estimator", "ekf", "--set", "frames.last=20", "--output", run)
         slammot("simulate", "circle", "--set", f"frames={FRAMES}", "--seed", 2, "--output", other)
         done = slammot("evaluate", run, "--against", other, code=2)
-        self.assertRegex(done.stderr, r"\Aslammot: .*run\.yaml: was made from a sequence with SHA-256 .* --force .*\n\Z")
-        self.assertIn("was made from a sequence", slammot("evaluate", run, "--against", other, "--force").stderr)
+        self.assertRegex(done.stderr, r"\Aslammot: .*run\.yaml: was made from a sequence with SHA-256 .* --force-sequence .*\n\Z")
+        self.assertIn("was made from a sequence", slammot("evaluate", run, "--against", other, "--force-sequence").stderr)
         moved = self.here / "moved"
         shutil.copytree(self.sequence, moved)
         idle = slammot("evaluate", run, "--time-offset", 1.0, code=2).stderr

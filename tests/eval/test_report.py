@@ -382,7 +382,7 @@ class Report(unittest.TestCase):
     def test_a_run_that_failed_is_named(self):
         self.comparison["runs"][0]["metrics"].update(failed=True, failed_at=77)
         text = self.text_of_report()
-        self.assertIn("ekf · dynamic_inverse_depth failed at frame 77: its error exceeds a tenth of the path so far, and a metre or a tenth of the whole path.", text)
+        self.assertIn("ekf · dynamic_inverse_depth failed at frame 77: its error exceeds a tenth of the path so far, and a metre or a tenth of the whole path, whichever is less.", text)
 
     def test_a_warning_is_on_the_page(self):
         self.comparison["runs"][0]["metrics"]["warnings"] = [{"frame": 12, "reason": "it is lost"}]

@@ -130,7 +130,7 @@ TEST(SelfCheck, ACovarianceThatIsNotPositiveDefinite) {
   run.filtered[30].covariance.block<3, 3>(kPosition, kRotation).setConstant(kUndefined);
   run.filtered[30].covariance(kRotation, kRotation) = -1.0;
   run.filtered[40].covariance(kPosition, kPosition) = -1.0;
-  EXPECT_THAT(only_reason(run), HasSubstr("2 of 59 covariances"));
+  EXPECT_THAT(only_reason(run), HasSubstr("2 of 58"));
   EXPECT_EQ(self_check(run).front().frame, 30);
 }
 
