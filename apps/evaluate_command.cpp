@@ -44,7 +44,8 @@ void execute(const JudgeArguments& arguments, const std::string& json_file) {
   std::vector<NamedMetrics> results;
   Json json = Json::object();
   for (const JudgedRun& run : judged(arguments)) {
-    results.push_back({run_name(run.path), run.estimator, run.stored.landmark, run.metrics});
+    results.push_back(
+        {run_name(run.path), run.estimator, run.stored.landmark, run.metrics, run.sequence->name});
     json[run.path.string()] = metrics_json(run.metrics);
   }
   fmt::print("{}", metrics_table(results));

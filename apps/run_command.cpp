@@ -48,19 +48,19 @@ int execute(const RunArguments& arguments) {
   options.landmarks_every_frame = arguments.landmarks == "every-frame";
   options.check_rotation = check_rotation;
   options.progress = [&](int done, int total) { progress.show(arguments.estimator, done, total); };
-  const auto [effective, run, metrics] =
+  const auto [effective, from_sequence, run, metrics] =
       run_and_evaluate(sequence, configuration, arguments.estimator, options);
   progress.clear();
   write_run(output,
             {command_line(), arguments.estimator, sequence.folder, sequence.name, sequence.sha256,
-             std::nullopt, effective},
+             std::nullopt, effective, from_sequence},
             run, metrics);
   const std::string landmark = row.has_models ? effective.model.landmark : "-";
   fmt::print("{}{}\n",
              metrics_table({{run_name(output), estimator_label(row.name), landmark, metrics}}),
              output);
   for (const RunWarning& w : run.warnings) {
-    fmt::print(stderr, "slammot: warning: from frame {}: {}\n", w.frame, w.reason);
+    fmt::print(stderr, "slammot: warning: {}{}\n", arguments.estimator, told(w));
   }
   if (metrics.failed) {
     fmt::print(stderr, "slammot: failed at frame {}: the error exceeds {}\n", *metrics.failed,

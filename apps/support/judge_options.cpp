@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "eval/output/run_files.h"
+
 namespace slammot {
 
 void add_judge_options(CLI::App& command, JudgeArguments& arguments) {
@@ -45,6 +47,13 @@ void refuse_idle_options(const JudgeArguments& arguments, const std::vector<Judg
     throw std::invalid_argument(
         "--error-convention, --time-offset and --max-difference are for runs made elsewhere: all "
         "of these are slammot's own");
+  }
+  const bool converted = std::ranges::any_of(runs, [](const auto& run) {
+    return !run.stored.own && std::filesystem::exists(run.path / run_files::kPoseCovariance);
+  });
+  if (arguments.convention != JudgeArguments{}.convention && !converted) {
+    throw std::invalid_argument(
+        "--error-convention is of a pose_covariance.csv made elsewhere: no run has one");
   }
 }
 

@@ -64,7 +64,7 @@ NamedMetrics compare_one(const Sequence& sequence, const Configuration& base,
                                              drive_options, options.metrics);
   write_run(options.output / row.label,
             {options.command, row.estimator, sequence.folder, sequence.name, sequence.sha256,
-             options.seed, done.configuration},
+             options.seed, done.configuration, done.from_sequence},
             done.run, done.metrics);
   json["runs"].push_back(
       run_json(sequence, entry_of(row, done.configuration), done.run, done.metrics));

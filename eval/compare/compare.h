@@ -19,7 +19,7 @@
 //            {scale, rotation[[3],[3],[3]], translation[3]} by Sim(3) and
 //            aligned_position_error_m[]
 //   estimators[], pairs[]  what runs of one name, and two of them, say together (pooled.h);
-//            runs[] have their name in `pooled`
+//            runs[] have their name in `pooled`, and of stored runs sequence {name, sha256}
 #pragma once
 
 #include <filesystem>

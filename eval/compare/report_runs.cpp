@@ -39,8 +39,15 @@ std::vector<std::string> labels_of(const std::vector<JudgedRun>& runs) {
   return labels;
 }
 
+// Without those that each sequence decides for itself, such as its priors.
+std::map<std::string, std::string> settings_given(const StoredRun& run) {
+  std::map<std::string, std::string> given = run.configuration;
+  for (const std::string& key : run.from_sequence) given.erase(key);
+  return given;
+}
+
 bool same_settings(const JudgedRun& a, const JudgedRun& b) {
-  return a.stored.configuration == b.stored.configuration;
+  return settings_given(a.stored) == settings_given(b.stored);
 }
 
 // Runs of one estimator with the same configuration are pooled. A second configuration of an
@@ -155,6 +162,8 @@ Json report_runs(const std::vector<JudgedRun>& runs, const Path& output,
     json["runs"].push_back(
         run_json(*run.sequence, entry_of(run, labels[i]), run.stored.run, run.metrics));
     json["runs"].back()["pooled"] = names[i];
+    json["runs"].back()["sequence"] = {{"name", run.sequence->name},
+                                       {"sha256", run.sequence->sha256}};
     pool.add(names[i], *run.sequence, run.stored.run, run.metrics);
   }
   json["estimators"] = pool.estimators();

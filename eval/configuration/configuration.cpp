@@ -110,4 +110,12 @@ std::vector<std::pair<std::string, std::string>> key_values(const Configuration&
   return all;
 }
 
+std::vector<std::string> differing_keys(const Configuration& a, const Configuration& b) {
+  std::vector<std::string> keys;
+  for (const ConfigurationKey& key : configuration_keys()) {
+    if (key.get(a) != key.get(b)) keys.push_back(key.name);
+  }
+  return keys;
+}
+
 }  // namespace slammot

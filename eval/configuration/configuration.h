@@ -99,4 +99,7 @@ std::vector<Assignment> load_configuration(Configuration& configuration,
 // All keys with their values, in the order of the table.
 std::vector<std::pair<std::string, std::string>> key_values(const Configuration& configuration);
 
+// The keys whose values differ, in the same order.
+std::vector<std::string> differing_keys(const Configuration& a, const Configuration& b);
+
 }  // namespace slammot

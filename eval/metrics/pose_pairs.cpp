@@ -7,16 +7,10 @@
 #include <limits>
 #include <stdexcept>
 
+#include "eval/statistics/statistics.h"
+
 namespace slammot {
 namespace {
-
-double shortest_interval(const std::vector<Frame>& frames) {
-  double shortest = std::numeric_limits<double>::infinity();
-  for (size_t i = 1; i < frames.size(); ++i) {
-    shortest = std::min(shortest, frames[i].timestamp - frames[i - 1].timestamp);
-  }
-  return shortest;
-}
 
 size_t nearest_frame(const std::vector<Frame>& frames, double timestamp) {
   const auto later =
@@ -53,18 +47,27 @@ double half_a_frame(const std::vector<Frame>& frames) { return shortest_interval
 
 }  // namespace
 
-std::vector<CameraEstimate> at_frames(const std::vector<CameraEstimate>& estimates,
-                                      const std::vector<Frame>& frames,
-                                      const TimeMatching& matching, std::vector<int>& indices) {
-  const double tolerance = matching.max_difference.value_or(half_a_frame(frames));
-  std::vector<CameraEstimate> chosen;
-  indices.clear();
-  for (const Match& match : matches(estimates, frames, matching.offset, tolerance)) {
-    chosen.push_back(estimates[match.estimate]);
-    chosen.back().timestamp = frames[match.frame].timestamp;
-    indices.push_back(frames[match.frame].index);
+double shortest_interval(const std::vector<Frame>& frames) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (size_t i = 1; i < frames.size(); ++i) {
+    shortest = std::min(shortest, frames[i].timestamp - frames[i - 1].timestamp);
   }
-  if (chosen.empty() && !estimates.empty() && !frames.empty()) {
+  return shortest;
+}
+
+PlacedEstimates at_frames(const std::vector<CameraEstimate>& estimates,
+                          const std::vector<Frame>& frames, const TimeMatching& matching) {
+  const double tolerance = matching.max_difference.value_or(half_a_frame(frames));
+  PlacedEstimates placed;
+  std::vector<double> differences;
+  for (const Match& match : matches(estimates, frames, matching.offset, tolerance)) {
+    placed.estimates.push_back(estimates[match.estimate]);
+    placed.estimates.back().timestamp = frames[match.frame].timestamp;
+    placed.frames.push_back(frames[match.frame].index);
+    differences.push_back(match.difference);
+  }
+  if (!differences.empty()) placed.median_difference = median(differences);
+  if (placed.frames.empty() && !estimates.empty() && !frames.empty()) {
     throw std::invalid_argument(fmt::format(
         "no pose is within {:.3g} s of a frame: poses from {:.13g} to {:.13g} s, frames from "
         "{:.13g} to {:.13g} s{}",
@@ -73,7 +76,7 @@ std::vector<CameraEstimate> at_frames(const std::vector<CameraEstimate>& estimat
         frames.back().timestamp,
         estimates.front().timestamp > 1e15 ? "; are these nanoseconds?" : ""));
   }
-  return chosen;
+  return placed;
 }
 
 std::vector<PosePair> pair_with_truth(const Sequence& sequence,

@@ -22,11 +22,18 @@ struct TimeMatching {
   std::optional<double> max_difference;  // [s]
 };
 
-// The estimate of each frame that has one, at the frame's time, with the indices of these frames.
-// Throws std::invalid_argument where no frame has one.
-std::vector<CameraEstimate> at_frames(const std::vector<CameraEstimate>& estimates,
-                                      const std::vector<Frame>& frames,
-                                      const TimeMatching& matching, std::vector<int>& indices);
+struct PlacedEstimates {
+  std::vector<CameraEstimate> estimates;  // at the times of their frames
+  std::vector<int> frames;                // indices
+  double median_difference = 0.0;         // [s], of their own times from those of the frames
+};
+
+// The estimate of each frame that has one. Throws std::invalid_argument where no frame has one.
+PlacedEstimates at_frames(const std::vector<CameraEstimate>& estimates,
+                          const std::vector<Frame>& frames, const TimeMatching& matching);
+
+// [s]; infinite of fewer than two frames.
+double shortest_interval(const std::vector<Frame>& frames);
 
 // Estimates without a true pose near in time are left out.
 std::vector<PosePair> pair_with_truth(const Sequence& sequence,

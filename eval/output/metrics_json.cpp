@@ -124,14 +124,18 @@ std::optional<Divergence> divergence_of(const Json& json) {
 
 Json json_of(const std::vector<RunWarning>& warnings) {
   Json json = Json::array();
-  for (const RunWarning& w : warnings) json.push_back({{"frame", w.frame}, {"reason", w.reason}});
+  for (const RunWarning& w : warnings) {
+    json.push_back({{"frame", w.frame ? Json(*w.frame) : Json()}, {"reason", w.reason}});
+  }
   return json;
 }
 
 std::vector<RunWarning> warnings_of(const Json& json) {
   std::vector<RunWarning> warnings;
   for (const Json& w : json) {
-    warnings.push_back({w.at("frame").get<int>(), w.at("reason").get<std::string>()});
+    const Json& frame = w.at("frame");
+    warnings.push_back({frame.is_null() ? std::nullopt : std::optional(frame.get<int>()),
+                        w.at("reason").get<std::string>()});
   }
   return warnings;
 }

@@ -59,8 +59,14 @@ using Names = std::vector<TextRow>;
 Names names_of(const std::vector<NamedMetrics>& results) {
   const bool labelled = std::ranges::any_of(
       results, [](const auto& r) { return r.label != r.estimator + "-" + r.landmark; });
+  const bool several = std::ranges::any_of(
+      results, [&](const auto& r) { return r.sequence != results.front().sequence; });
   Names names = {{"estimator", "landmark model"}};
   for (const NamedMetrics& r : results) names.push_back({r.estimator, r.landmark});
+  if (several) {
+    names.front().emplace_back("sequence");
+    for (std::size_t i = 0; i < results.size(); ++i) names[i + 1].push_back(results[i].sequence);
+  }
   if (!labelled) return names;
   names.front().insert(names.front().begin(), "run");
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -148,12 +154,15 @@ std::string aligned(const std::vector<TextRow>& rows, std::size_t names) {
   return text;
 }
 
+std::string told(const RunWarning& w) {
+  return (w.frame ? fmt::format(", from frame {}: ", *w.frame) : ": ") + w.reason;
+}
+
 std::string warning_lines(const std::vector<NamedMetrics>& results) {
   std::string text;
   for (const NamedMetrics& result : results) {
     for (const RunWarning& w : result.metrics.warnings) {
-      text +=
-          fmt::format("slammot: warning: {}, from frame {}: {}\n", result.label, w.frame, w.reason);
+      text += "slammot: warning: " + result.label + told(w) + "\n";
     }
   }
   return text;

@@ -14,11 +14,15 @@ struct NamedMetrics {
   std::string estimator;
   std::string landmark;
   RunMetrics metrics;
+  std::string sequence = {};  // shown where it is not that of all
 };
 
 // Columns to their width, the first `names` to the left and numbers to the right.
 using TextRow = std::vector<std::string>;
 std::string aligned(const std::vector<TextRow>& rows, std::size_t names);
+
+// `, from frame 7: REASON`
+std::string told(const RunWarning& warning);
 
 // A line for each warning of each run; empty without any.
 std::string warning_lines(const std::vector<NamedMetrics>& results);

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "datasets/sequence/plausible.h"
+#include "datasets/text/number.h"
 #include "datasets/text/yaml_map.h"
 #include "eval/output/metrics_json.h"
 #include "eval/output/run_files.h"
@@ -27,6 +28,13 @@ Label label_at(const TextTable& row, size_t field) {
   row.refuse(fmt::format("'{}' is not a label", row.field(field)));
 }
 
+// The first field of a heading is no number.
+bool begins_with_heading(TextTable table) {
+  if (!table.next_blank_row()) return false;
+  const std::string_view line = table.field(0);
+  return !parse_number<double>(line.substr(0, line.find(',')));
+}
+
 // The rows of a CSV file of a run, below its comments and its heading; none without the file.
 void for_each_row(const Path& file, size_t columns,
                   const std::function<void(const TextTable& row)>& visit) {
@@ -34,7 +42,7 @@ void for_each_row(const Path& file, size_t columns,
   const std::string text = read_text_file(file);
   TextTable table(file, text);
   table.pass_comments();
-  table.pass_line();
+  if (begins_with_heading(table)) table.pass_line();
   for (table.pass_comments(); table.next_comma_row(columns); table.pass_comments()) visit(table);
 }
 
@@ -55,7 +63,9 @@ void read_covariances(const Path& file, bool own, std::vector<CameraEstimate>& c
     camera.covariance.topLeftCorner<6, 6>() = symmetric_at<6>(row, 1);
     if (!own) require_numbers(row);
   });
-  if (count != cameras.size()) throw InputError(file, 0, "has not one row for each pose");
+  if (count != cameras.size()) {
+    throw InputError(file, 0, fmt::format("{} rows of {} poses", count, cameras.size()));
+  }
 }
 
 }  // namespace
@@ -150,6 +160,9 @@ void read_description(const Path& file, StoredRun& stored) {
     if (const YAML::Node configuration = root["configuration"];
         configuration && configuration.IsMap()) {
       read_configuration(file, configuration, stored);
+    }
+    if (const YAML::Node keys = root["from_sequence"]; keys && keys.IsSequence()) {
+      stored.from_sequence = keys.as<std::vector<std::string>>();
     }
     if (const YAML::Node sequence = root["sequence"]; sequence && sequence.IsMap()) {
       const std::string path = text_at(sequence, "path");

@@ -20,6 +20,7 @@ struct StoredRun {
   std::string landmark;   // its landmark model, likewise
   bool own = false;       // run.yaml is in the format of this program
   std::map<std::string, std::string> configuration;
+  std::vector<std::string> from_sequence;         // its keys whose value the sequence decided
   std::optional<std::filesystem::path> sequence;  // that it was made from
   std::string sequence_sha256;                    // its content, likewise
   double gate_probability = 0.95;

@@ -128,7 +128,9 @@ void write_description(std::ostream& out, const RunDescription& d) {
   for (const auto& [key, value] : key_values(d.configuration)) {
     yaml << YAML::Key << key << YAML::Value << value;
   }
-  yaml << YAML::EndMap << YAML::EndMap;
+  yaml << YAML::EndMap;
+  yaml << YAML::Key << "from_sequence" << YAML::Value << YAML::Flow << d.from_sequence;
+  yaml << YAML::EndMap;
   out << yaml.c_str() << '\n';
 }
 

@@ -21,8 +21,9 @@ struct RunDescription {
   std::filesystem::path sequence;
   std::string sequence_name;
   std::string sequence_sha256;
-  std::optional<std::uint64_t> seed;  // of a simulated sequence
-  Configuration configuration;        // the effective one
+  std::optional<std::uint64_t> seed;            // of a simulated sequence
+  Configuration configuration;                  // the effective one
+  std::vector<std::string> from_sequence = {};  // its keys whose value the sequence decided
   Provenance made_by = provenance();
 };
 

@@ -79,7 +79,8 @@ def failure(comparison):
 
 
 def warnings_of(run):
-    return [f"{run.name}, from frame {warning['frame']}: {warning['reason']}." for warning in run.warnings]
+    """A warning about a whole run has no frame."""
+    return [run.name + (f", from frame {warning['frame']}" if warning["frame"] is not None else "") + f": {warning['reason']}." for warning in run.warnings]
 
 
 def warned(comparison):

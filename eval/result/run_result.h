@@ -73,7 +73,7 @@ inline constexpr int kLags[] = {1, 2, 4, 9, 19, 39};
 
 // What a run says against itself (self_check.h).
 struct RunWarning {
-  int frame = 0;  // where it begins
+  std::optional<int> frame;  // where it begins; none of a whole run
   std::string reason;
 };
 

@@ -75,13 +75,16 @@ StoredRun read_any(const Path& path, const Sequence& sequence, const ForeignOpti
   return stored;
 }
 
-void place_in_time(const Path& path, const Sequence& sequence, const TimeMatching& times,
-                   RunResult& run) try {
-  run.filtered = at_frames(run.filtered, sequence.frames, times, run.frames);
-  std::vector<int> ignored;
+// Returns the median difference of their times, in seconds.
+double place_in_time(const Path& path, const Sequence& sequence, const TimeMatching& times,
+                     RunResult& run) try {
+  PlacedEstimates placed = at_frames(run.filtered, sequence.frames, times);
+  run.filtered = std::move(placed.estimates);
+  run.frames = std::move(placed.frames);
   if (!run.smoothed.empty()) {
-    run.smoothed = at_frames(run.smoothed, sequence.frames, times, ignored);
+    run.smoothed = at_frames(run.smoothed, sequence.frames, times).estimates;
   }
+  return placed.median_difference;
 } catch (const std::invalid_argument& error) {
   throw InputError(path, 0, error.what());
 }
@@ -91,9 +94,20 @@ std::optional<RunWarning> few_poses(const Sequence& sequence, const RunResult& r
   constexpr double kFew = 0.5;
   const auto frames = static_cast<double>(sequence.frames.size());
   if (run.frames.empty() || static_cast<double>(run.frames.size()) >= kFew * frames) return {};
-  return RunWarning{run.frames.front(),
+  return RunWarning{std::nullopt,
                     fmt::format("{} of {} frames have a pose, and only these are judged",
                                 run.frames.size(), sequence.frames.size())};
+}
+
+// A pose is compared with the truth of its frame, however far from it in time.
+std::optional<RunWarning> times_differ(const Sequence& sequence, double median_difference) {
+  constexpr double kRounded = 0.05;  // of an interval, as milliseconds at 50 Hz
+  const double interval = shortest_interval(sequence.frames);
+  if (!(median_difference > kRounded * interval)) return {};
+  return RunWarning{std::nullopt,
+                    fmt::format("the times of poses and frames differ by {:.3g} s (median), of "
+                                "{:.3g} s between frames: is there a --time-offset?",
+                                median_difference, interval)};
 }
 
 // A run of this program may have said it already.
@@ -134,6 +148,10 @@ JudgedRun Judge::operator()(const Path& run, const std::optional<Path>& against)
     throw InputError(run / run_files::kDescription, 0,
                      "names no sequence: give one with --against");
   }
+  if (!against && !std::filesystem::exists(*path)) {
+    throw InputError(run / run_files::kDescription, 0,
+                     "its sequence " + path->string() + " is not there: give it with --against");
+  }
   judged.sequence = sequence_at(*path);
   judged.stored = read_any(run, *judged.sequence, options_.foreign);
   const auto other = other_sequence(judged.stored, *judged.sequence);
@@ -142,13 +160,15 @@ JudgedRun Judge::operator()(const Path& run, const std::optional<Path>& against)
                      *other + "; --force-sequence judges it all the same");
   }
   const TimeMatching exactly;
-  place_in_time(run, *judged.sequence, judged.stored.own ? exactly : options_.foreign.times,
-                judged.stored.run);
+  const double difference =
+      place_in_time(run, *judged.sequence, judged.stored.own ? exactly : options_.foreign.times,
+                    judged.stored.run);
   take_truth_from(*judged.sequence, judged.stored.run);
   std::vector<RunWarning>& warnings = judged.stored.run.warnings;
   add_new(covariance_warning(judged.stored.run), warnings);
   add_new(few_poses(*judged.sequence, judged.stored.run), warnings);
-  if (other) add_new(RunWarning{0, *other}, warnings);
+  add_new(times_differ(*judged.sequence, difference), warnings);
+  if (other) add_new(RunWarning{std::nullopt, *other}, warnings);
   judged.estimator = estimator_name(run, judged.stored);
   judged.metrics =
       compute_metrics(*judged.sequence, judged.stored.run, judged.stored.gate_probability);

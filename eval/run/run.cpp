@@ -171,6 +171,7 @@ EvaluatedRun run_and_evaluate(const Sequence& sequence, const Configuration& con
   const Prepared prepared = prepare(sequence, configuration, estimator);
   EvaluatedRun done;
   done.configuration = prepared.configuration;
+  done.from_sequence = differing_keys(configuration, prepared.configuration);
   done.run = drive(sequence, *prepared.estimator, with_kind(options, estimator));
   done.metrics =
       compute_metrics(sequence, done.run, prepared.configuration.model.gate.probability, table);

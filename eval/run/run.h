@@ -28,7 +28,8 @@ struct DriveOptions {
 RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptions& options = {});
 
 struct EvaluatedRun {
-  Configuration configuration;  // as the estimator used it, every value resolved
+  Configuration configuration;             // as the estimator used it, every value resolved
+  std::vector<std::string> from_sequence;  // keys whose value was not given
   RunResult run;
   RunMetrics metrics;
 };

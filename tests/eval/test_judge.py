@@ -270,13 +270,17 @@ class Judge(unittest.TestCase):
         for what, rows, reason in (
                 ("truncated", good[:-1] + [good[-1][:60]], rf"covariance\.csv:{len(good)}: expected 22 fields"),
                 ("nan", good[:5] + [",".join([*cells[:4], "nan", *cells[5:]])] + good[6:], r"covariance\.csv:6: 'nan'"),
-                ("rows missing", good[:-3], r"covariance\.csv: has not one row for each pose"),
+                ("rows missing", good[:-3], rf"covariance\.csv: {FRAMES - 3} rows of {FRAMES} poses"),
                 ("other times", [good[0], *good[2:], good[1]], r"covariance\.csv:2: the timestamp is not that of the pose"),
                 ("columns", [row + ",0" for row in good], r"covariance\.csv:2: expected 22 fields")):
             with self.subTest(what=what):
                 (run / "pose_covariance.csv").write_text("\n".join(rows) + "\n")
                 self.assert_refused(run, reason)
+        (run / "pose_covariance.csv").write_text("\n".join(row for row in good if row[0] in "-0123456789") + "\n")
+        self.assertEqual(self.errors(run)["nees"]["pose"]["used"], FRAMES - 1)  # a heading is not needed
         (run / "pose_covariance.csv").unlink()
+        self.assert_refused(run, "--error-convention is of a pose_covariance.csv made elsewhere: no run has one",
+                            "--error-convention", "rotation-first,right,local")
         for text in ("- 1\n", "estimator: {a: 1}\n", "estimator: [\n"):
             (run / "run.yaml").write_text(text)
             self.assert_refused(run, r"run\.yaml:\d+: ")
@@ -294,6 +298,12 @@ class Judge(unittest.TestCase):
         self.assertEqual(self.errors(file, "--time-offset", -5.02)["accuracy"], expected)
         near = self.errors(file, "--time-offset", -5.0)["accuracy"]  # 0.02 s off, a third of a frame
         self.assertEqual(near["poses"], FRAMES)
+        warning = "the times of poses and frames differ by 0.02 s (median), of 0.0667 s between frames: is there a --time-offset?"
+        told = slammot("evaluate", file, "--against", self.sequence, "--time-offset", -5.0).stderr
+        self.assertEqual(told, f"slammot: warning: late: {warning}\n")
+        self.assertEqual(slammot("evaluate", file, "--against", self.sequence, "--time-offset", -5.018).stderr, "")
+        page, _ = self.report([file], "--time-offset", -5.0)
+        self.assertTrue(f"late: {warning}." in (page / "report.html").read_text())
         self.assert_refused(file, "within 0.01 s of a frame", "--time-offset", -5.0, "--max-difference", 0.01)
         self.assertLess(self.errors(file)["accuracy"]["coverage"], 0.8)
         file.write_text("".join(f"{round(1e9 * (float(t) + 1.4e9))} {rest}\n" for t, rest in rows))  # as ORB-SLAM3 writes EuRoC
@@ -409,6 +419,33 @@ class Judge(unittest.TestCase):
         self.assertIn("on 2 sequences", text)
         for wrong in ("most accurate", "on the same", "Paired differences"):
             self.assertNotIn(wrong, text)
+        both = [json.loads((page / "compare.json").read_text())["runs"][i]["sequence"] for i in (0, 1)]
+        self.assertEqual(len({sequence["sha256"] for sequence in both}), 2)
+        for sequence in both:
+            self.assertTrue(f"<small>{sequence['name']}</small>" in text)
+        table = slammot("evaluate", run, ekf, "--against", self.sequence, "--against", other).stdout
+        self.assertRegex(table, r"(?m)^run +estimator +landmark model +sequence +coverage ")
+
+    def test_settings_that_each_sequence_decides_make_no_other_estimator(self):
+        """Pooled where what was given is the same, however the scenes differ in their priors."""
+        runs = []
+        for name, speed in (("slow", 0.5), ("fast", 2.0)):
+            slammot("simulate", "circle", "--set", "frames=20", "--set", f"max_speed={speed}", "--output", self.here / name)
+            for given in ([], ["--set", "prior.max_speed=1"]):
+                runs.append(self.here / f"{name}{len(given)}")
+                slammot("run", self.here / name, "--estimator", "ekf", "--output", runs[-1], *given)
+        page = self.here / "page"
+        slammot("report", *runs, "--output", page)
+        estimators = json.loads((page / "compare.json").read_text())["estimators"]
+        self.assertEqual([(e["name"], e["runs"]) for e in estimators], [("ekf slow0", 2), ("ekf slow2", 2)])
+
+    def test_a_sequence_that_is_gone_is_named(self):
+        run = self.here / "run"
+        slammot("run", self.sequence, "--estimator", "ekf", "--set", "frames.last=5", "--output", run)
+        file = run / "run.yaml"
+        file.write_text(file.read_text().replace(str(self.sequence), str(self.here / "gone")))
+        error = slammot("evaluate", run, code=2).stderr
+        self.assertRegex(error, r"\Aslammot: .*run\.yaml: its sequence .*gone is not there: give it with --against\n\Z")
 
     def test_a_run_counts_once(self):
         runs = self.draw("mine", 2)
