@@ -88,8 +88,10 @@ std::string pooled_table(const Json& estimators) {
                     with_interval(anees_of(e, "position"), 3), inside_of(e)});
   }
   return aligned(rows, 1) +
-         "In brackets: 95% bootstrap interval over runs. Frames inside: those whose NEES, averaged "
-         "over the runs, lies in\nthe 95% interval of a consistent estimator.\n";
+         "Errors: root mean square over the runs that did not diverge. In brackets: 95% bootstrap "
+         "interval over runs.\nFrames inside: those whose NEES, averaged over the runs, lies in "
+         "the "
+         "95% interval of a consistent estimator.\n";
 }
 
 int report_runs_to(const ReportArguments& arguments) {

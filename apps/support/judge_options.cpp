@@ -45,8 +45,8 @@ void refuse_idle_options(const JudgeArguments& arguments, const std::vector<Judg
   const bool all_own = std::ranges::all_of(runs, [](const auto& run) { return run.stored.own; });
   if (stated && all_own) {
     throw std::invalid_argument(
-        "--error-convention, --time-offset and --max-difference are for runs made elsewhere: all "
-        "of these are slammot's own");
+        "--error-convention, --time-offset and --max-difference are for runs made elsewhere: these "
+        "are slammot's own, or stored by `report`, which has converted them");
   }
   const bool converted = std::ranges::any_of(runs, [](const auto& run) {
     return !run.stored.own && std::filesystem::exists(run.path / run_files::kPoseCovariance);

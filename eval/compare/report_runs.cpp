@@ -89,7 +89,7 @@ void require_distinct(const std::vector<JudgedRun>& runs, const std::vector<std:
                         runs[i].sequence->sha256 == runs[k].sequence->sha256 &&
                         same_estimates(runs[i].stored.run, runs[k].stored.run);
       if (!same) continue;
-      throw std::invalid_argument(fmt::format("{} and {} are the same run of {}: it counts once",
+      throw std::invalid_argument(fmt::format("{} and {} are the same run of {}: give it once",
                                               runs[i].path.string(), runs[k].path.string(),
                                               names[i]));
     }

@@ -168,10 +168,10 @@ MetricTable accuracy_rows() {
           &A::rotation_max_deg),
       pooled(on_terminal(row("ate_se3_m", "m", "ATE SE(3)",
                              "RMSE of the position after rigid alignment", &A::ate_se3)),
-             Pooled::kMean),
+             kRms),
       pooled(on_terminal(row(kAteSim3, "m", "ATE Sim(3)",
                              "RMSE of the position after similarity alignment", &A::ate_sim3)),
-             Pooled::kMean),
+             kRms),
       pooled(on_terminal(
                  neither(row("sim3_scale", "", "scale",
                              "true over estimated size, of the similarity alignment", &A::scale))),
@@ -180,10 +180,10 @@ MetricTable accuracy_rows() {
                 &A::relative_pairs)),
       pooled(on_terminal(row("rpe_1s_position_rmse_m", "m", "RPE 1 s",
                              "RMSE of the displacement in one second", &A::relative_position_rmse)),
-             Pooled::kMean),
+             kRms),
       pooled(on_page(row("rpe_1s_rotation_rmse_deg", "deg", "RPE 1 s, rotation",
                          "RMSE of the rotation in one second", &A::relative_rotation_rmse_deg)),
-             Pooled::kMean),
+             kRms),
   };
 }
 

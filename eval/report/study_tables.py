@@ -288,6 +288,12 @@ def lags_table(summary):
                  ["scenario", "estimator", "lag [frames]", *(name for _, name in lags.QUANTITIES), *(f"{name} over filtered" for _, name in lags.RATIOS)], rows)
 
 
+def at_a_time(summary):
+    """Runs at the same time share caches and memory: their times are longer."""
+    jobs = summary.get("provenance", {}).get("jobs") or 0
+    return f", made {jobs} at a time" if jobs > 1 else ""
+
+
 def metrics_table(summary):
     """A column for each metric that is pooled over runs and defined in some cell; the lags have a table of their own."""
     pooled = [m for m in metrics.read_table(summary["metrics"]).values() if m.pooled != "not" and not lags.is_of_lag(m.key)]
@@ -300,7 +306,7 @@ def metrics_table(summary):
     explained = " ".join(f"{m.name[:1].upper()}{m.name[1:]}: {m.caption}." for m in dict.fromkeys(m for m, _ in columns))
     return Table(
         "Metrics",
-        f"Mean over the runs, or root mean square where the metric is an RMSE, with 95% bootstrap interval (2000 resamples); times: median over the runs. {explained}",
+        f"Mean over the runs, or root mean square where the metric is an RMSE (ATE and RPE are), with 95% bootstrap interval (2000 resamples); times: median over the runs{at_a_time(summary)}. {explained}",
         ["scenario", "estimator"] + names, rows)
 
 

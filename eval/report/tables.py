@@ -77,12 +77,13 @@ def summary(comparison):
     best = {m.key: metrics.best(m, [run.value(m.key) for run in competing], expected(comparison, m))
             for m in of_trajectory + of_run}
     apart = verdict.apart([run.metric(run.judged, "accuracy", "coverage") for run in competing])
+    several = comparison.sequence.get("count", 1) > 1  # what is best of one is not of another
     rows = []
     for run in comparison.runs:
         cells = []
         for m in of_trajectory + of_run:
             value = run.value(m.key)
-            wins = run.divergence is None and metrics.equal(value, best[m.key]) and not (apart and m.of == "trajectory")
+            wins = not several and run.divergence is None and metrics.equal(value, best[m.key]) and not (apart and m.of == "trajectory")
             cells.append(Cell("∞" if is_infinite(run, m) else metrics.text(m, value), wins))
         smoothed = None
         if run.metric("smoothed") and run.judged != "smoothed":

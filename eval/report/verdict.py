@@ -88,20 +88,31 @@ def warned(comparison):
     return [("Warned", sentences)] if sentences else []
 
 
+def with_its_settings(run, landmark):
+    """`ekf (ekf.iterations = 3)` of the name `ekf, ekf.iterations = 3 · scaled_velocity`."""
+    estimator, _, settings = run.name.removesuffix(f" · {landmark}").partition(", ")
+    return f"{estimator} ({settings})" if settings else estimator
+
+
 def within_landmark_model(rows):
     """The same landmark model under different estimators: the question this program is for."""
     sentences = []
     for landmark in dict.fromkeys(run.landmark for _, run in rows if run.landmark not in ("", "-")):
         same = [(value, run) for value, run in rows if run.landmark == landmark]
-        if len({run.estimator for _, run in same}) < 2:
+        of_each = {}  # estimator to its best, which comes first
+        for value, run in same:
+            of_each.setdefault(run.estimator, (value, run))
+        if len(of_each) < 2:
             continue
-        (best, winner), (worst, loser) = same[0], same[-1]
+        several = len(of_each) < len(same)
+        (best, winner), *_, (worst, loser) = of_each.values()
+        names = [with_its_settings(run, landmark) if several else run.estimator for run in (winner, loser)]
+        end = ", each with the best of its settings." if several else "."
         gain = 1.0 - best / worst if worst > 0.0 else 0.0
         sentences.append(
-            f"With {landmark}, {winner.estimator} and {loser.estimator} are equally accurate."
+            f"With {landmark}, {names[0]} and {names[1]} are equally accurate{end}"
             if gain < SAME else
-            f"With {landmark}, the error of {winner.estimator} is {100 * gain:.0f}% smaller than "
-            f"that of {loser.estimator}.")
+            f"With {landmark}, the error of {names[0]} is {100 * gain:.0f}% smaller than that of {names[1]}{end}")
     return sentences
 
 

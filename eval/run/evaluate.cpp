@@ -106,7 +106,7 @@ std::optional<RunWarning> times_differ(const Sequence& sequence, double median_d
   if (!(median_difference > kRounded * interval)) return {};
   return RunWarning{std::nullopt,
                     fmt::format("the times of poses and frames differ by {:.3g} s (median), of "
-                                "{:.3g} s between frames: is there a --time-offset?",
+                                "{:.3g} s between frames; see --time-offset",
                                 median_difference, interval)};
 }
 
@@ -140,14 +140,15 @@ std::shared_ptr<const Sequence> Judge::sequence_at(const Path& path) {
 
 JudgedRun Judge::operator()(const Path& run, const std::optional<Path>& against) {
   if (!std::filesystem::exists(run)) throw InputError(run, 0, "no such run");
+  for (const char* mark : {"compare.json", "results.jsonl"}) {
+    if (!std::filesystem::exists(run / mark)) continue;
+    throw InputError(run, 0, "is no run, but has many; `slammot report` takes it by itself alone");
+  }
   JudgedRun judged;
   judged.path = run;
   std::optional<Path> path = against;
   if (!path && std::filesystem::is_directory(run)) path = read_run(run).sequence;
-  if (!path) {
-    throw InputError(run / run_files::kDescription, 0,
-                     "names no sequence: give one with --against");
-  }
+  if (!path) throw InputError(run, 0, "names no sequence: give one with --against");
   if (!against && !std::filesystem::exists(*path)) {
     throw InputError(run / run_files::kDescription, 0,
                      "its sequence " + path->string() + " is not there: give it with --against");

@@ -75,7 +75,8 @@ CameraEstimate euroc_pose(const TextTable& row) {
   CameraEstimate camera = unknown_covariance();
   const auto nanoseconds = parse_number<std::int64_t>(row.field(0));
   if (!nanoseconds) {
-    row.refuse(fmt::format("'{}' is not a time in nanoseconds", row.field(0)));
+    row.refuse(fmt::format("'{}' is not a time in nanoseconds, as EuRoC's rows between commas have",
+                           row.field(0)));
   }
   camera.timestamp = 1e-9 * static_cast<double>(*nanoseconds);
   camera.state.position = vector_at(row, 1);

@@ -17,6 +17,9 @@ import numpy as np
 
 SLAMMOT = ""
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "eval" / "report"))
+from verdict import failure_bound  # noqa: E402
+
 FRAMES, RUNS = 300, 20
 CONVENTIONS = [",".join(words) for words in itertools.product(("position-first", "rotation-first"), ("right", "left"),
                                                               ("global", "local", "spatial")) if words[1:] != ("right", "spatial")]
@@ -151,6 +154,11 @@ class Judge(unittest.TestCase):
         self.assertIn(f"{of_honest['mean']:.3f} [{of_honest['lower']:.3f}, {of_honest['upper']:.3f}]", row)
         self.assertRegex(row, rf"^honest +{RUNS} +100.0%")
         self.assertTrue((page / "report.html").is_file())
+        content = json.loads((page / "compare.json").read_text())
+        for key in ("position_rmse_m", "rotation_rmse_deg", "ate_se3_m", "ate_sim3_m", "rpe_1s_position_rmse_m"):
+            of_runs = [run["metrics"]["filtered"]["accuracy"][key] for run in content["runs"][:RUNS]]
+            pooled = content["estimators"][0]["values"][key]["value"]
+            self.assertAlmostEqual(pooled, np.sqrt(np.mean(np.square(of_runs))), places=12)
 
     def test_errors_drawn_in_each_convention_have_anees_6(self):
         for convention in CONVENTIONS:
@@ -279,6 +287,8 @@ class Judge(unittest.TestCase):
         (run / "pose_covariance.csv").write_text("\n".join(row for row in good if row[0] in "-0123456789") + "\n")
         self.assertEqual(self.errors(run)["nees"]["pose"]["used"], FRAMES - 1)  # a heading is not needed
         (run / "pose_covariance.csv").unlink()
+        error = slammot("evaluate", run, code=2).stderr
+        self.assertRegex(error, r"\Aslammot: .*run-01: names no sequence: give one with --against\n\Z")
         self.assert_refused(run, "--error-convention is of a pose_covariance.csv made elsewhere: no run has one",
                             "--error-convention", "rotation-first,right,local")
         for text in ("- 1\n", "estimator: {a: 1}\n", "estimator: [\n"):
@@ -298,7 +308,7 @@ class Judge(unittest.TestCase):
         self.assertEqual(self.errors(file, "--time-offset", -5.02)["accuracy"], expected)
         near = self.errors(file, "--time-offset", -5.0)["accuracy"]  # 0.02 s off, a third of a frame
         self.assertEqual(near["poses"], FRAMES)
-        warning = "the times of poses and frames differ by 0.02 s (median), of 0.0667 s between frames: is there a --time-offset?"
+        warning = "the times of poses and frames differ by 0.02 s (median), of 0.0667 s between frames; see --time-offset"
         told = slammot("evaluate", file, "--against", self.sequence, "--time-offset", -5.0).stderr
         self.assertEqual(told, f"slammot: warning: late: {warning}\n")
         self.assertEqual(slammot("evaluate", file, "--against", self.sequence, "--time-offset", -5.018).stderr, "")
@@ -417,7 +427,7 @@ class Judge(unittest.TestCase):
         slammot("report", run, ekf, "--against", self.sequence, "--against", other, "--output", page)
         text = (page / "report.html").read_text()
         self.assertIn("on 2 sequences", text)
-        for wrong in ("most accurate", "on the same", "Paired differences"):
+        for wrong in ("most accurate", "on the same", "Paired differences", '<td class="best"'):
             self.assertNotIn(wrong, text)
         both = [json.loads((page / "compare.json").read_text())["runs"][i]["sequence"] for i in (0, 1)]
         self.assertEqual(len({sequence["sha256"] for sequence in both}), 2)
@@ -452,7 +462,7 @@ class Judge(unittest.TestCase):
         shutil.copytree(runs[0], self.here / "mine-07")
         for twice in ([runs[0], runs[0]], [*runs, self.here / "mine-07"]):
             error = slammot("report", *twice, "--against", self.sequence, "--output", self.here / "twice", code=2).stderr
-            self.assertRegex(error, r"\Aslammot: .* are the same run of mine: it counts once\n\Z")
+            self.assertRegex(error, r"\Aslammot: .* are the same run of mine: give it once\n\Z")
             self.assertFalse((self.here / "twice").exists())
 
     def test_footnotes_are_of_columns_that_are_there(self):
@@ -466,6 +476,8 @@ class Judge(unittest.TestCase):
             self.assertIn("No NEES (not every pose has a covariance): bare.", out)
             self.assertNotIn("NIS", out)
             self.assertNotIn("r/w/u", out)
+            words = f"Failed: the error exceeds {failure_bound(False)}; where the truth is measured, {failure_bound(True)}.\n"
+            self.assertIn(words, out.replace("the\ntruth", "the truth"))  # as on the page
 
     def test_coverage_of_few_poses(self):
         _, lines = self.files()

@@ -403,6 +403,21 @@ class Report(unittest.TestCase):
         self.assertIn("Not compared, as the frames that have poses differ.", text)
         self.assertNotIn("most accurate", text)
 
+    def test_settings_of_one_estimator_are_told_apart(self):
+        ekf, window, more = self.comparison["runs"][:3]
+        for run, estimator, error in ((ekf, "ekf", 0.04), (window, "window", 0.03), (more, "ekf", 0.08)):
+            run.update(estimator=estimator, landmark="scaled_velocity")
+            run["metrics"]["filtered"]["accuracy"]["position_rmse_m"] = error
+        more["overrides"] = {"ekf.iterations": "3", "landmark": "scaled_velocity"}
+        self.comparison["runs"] = [ekf, window, more]
+        self.assertIn("With scaled_velocity, the error of window is 25% smaller than that of ekf, each with the best of its settings.",
+                      self.text_of_report())
+        ekf["metrics"]["filtered"]["accuracy"]["position_rmse_m"] = 0.1
+        self.assertIn("With scaled_velocity, the error of window is 62% smaller than that of ekf (ekf.iterations = 3), each",
+                      self.text_of_report(run_files=False))
+        self.comparison["runs"] = [ekf, more]
+        self.assertNotIn("With scaled_velocity", self.text_of_report(run_files=False))
+
     def test_equal_runs_are_not_ranked(self):
         for run in self.comparison["runs"][:2]:
             run["metrics"]["filtered"]["accuracy"]["position_rmse_m"] = 0.05
