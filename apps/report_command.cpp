@@ -90,8 +90,7 @@ std::string pooled_table(const Json& estimators) {
   return aligned(rows, 1) +
          "Errors: root mean square over the runs that did not diverge. In brackets: 95% bootstrap "
          "interval over runs.\nFrames inside: those whose NEES, averaged over the runs, lies in "
-         "the "
-         "95% interval of a consistent estimator.\n";
+         "the 95% interval of a consistent estimator.\n";
 }
 
 int report_runs_to(const ReportArguments& arguments) {
