@@ -140,11 +140,11 @@ Json report_runs(const std::vector<JudgedRun>& runs, const Path& output,
   require_distinct(runs, names);
   std::set<std::string> sequences;  // SHA-256
   Json sequence_names = Json::array();
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    for (const std::string& label : labels) require_room(runs[i], output / label);
-    const bool is_new = sequences.insert(runs[i].sequence->sha256).second;
-    if (is_new) sequence_names.push_back(runs[i].sequence->name);
-    if (runs[i].sequence->exact_truth != first.exact_truth) {
+  for (const JudgedRun& run : runs) {
+    for (const std::string& label : labels) require_room(run, output / label);
+    const bool is_new = sequences.insert(run.sequence->sha256).second;
+    if (is_new) sequence_names.push_back(run.sequence->name);
+    if (run.sequence->exact_truth != first.exact_truth) {
       throw std::invalid_argument("the truth of some sequences is exact and of others is not");
     }
   }
