@@ -23,15 +23,15 @@ constexpr double kNisOfOne = 2.0;  // the joint NIS of a consistent estimator, a
 constexpr double kTooMuch = 2.0;   // times that: the stated noise is too small, or the path wrong
 constexpr double kMostRejected = 0.15;  // a gate rejects a twentieth of right matches
 constexpr double kMostRejectedOfBurst = 0.5;
-constexpr int kLeastStatic = 4;  // in view; fewer do not hold a camera
+constexpr int kLeastStatic = 5;  // used; three hold a camera, four cannot tell which is wrong
 constexpr double kLeastShareStatic = 0.1;
 constexpr double kExplains = 0.5;       // of what the five-point estimate does
 constexpr std::size_t kMostWrong = 5;   // one span in so many
 constexpr std::size_t kLeastWrong = 2;  // spans
 
 struct Sums {
-  size_t frames = 0;
-  int accepted = 0, accepted_static = 0, offered = 0, most_static = 0;
+  size_t frames = 0, with_few_static = 0;
+  int accepted = 0, accepted_static = 0, offered = 0;
   double joint_nis = 0.0;
 
   double rejected() const {
@@ -46,7 +46,7 @@ Sums sums_of(const std::vector<FrameCounts>& counts, size_t first, size_t frames
     sums.accepted += c.accepted;
     sums.accepted_static += c.accepted_static;
     sums.offered += c.accepted + c.rejected + c.out_of_view;
-    sums.most_static = std::max(sums.most_static, c.accepted_static);
+    sums.with_few_static += c.accepted > 0 && c.accepted_static < kLeastStatic ? 1 : 0;
     sums.joint_nis += c.joint_nis;
   }
   return sums;
@@ -96,9 +96,9 @@ std::optional<std::string> nothing_is_used(const Sums& s) {
 
 std::optional<std::string> hardly_any_is_static(const Sums& s) {
   if (s.accepted == 0) return std::nullopt;
-  if (s.most_static < kLeastStatic) {
-    return fmt::format("fewer than {} static landmarks in view for {} frames", kLeastStatic,
-                       s.frames);
+  if (2 * s.with_few_static > s.frames) {
+    return fmt::format("fewer than {} static landmarks in view in {} of {} frames", kLeastStatic,
+                       s.with_few_static, s.frames);
   }
   if (s.accepted_static >= kLeastShareStatic * s.accepted) return std::nullopt;
   return fmt::format("{:.0f}% of the measurements used in {} frames are of static landmarks",

@@ -43,9 +43,13 @@ std::vector<double> pixel_errors(const Sequence& sequence) {
 
 class Rendered : public ::testing::Test {
  protected:
+  // One thread: ThreadSanitizer does not see that OpenCV's threads wait for each other (tsan.supp).
   static void SetUpTestSuite() {
+    cv::setNumThreads(1);
     write_room({{"frames", "45"}, {"k1", "-0.1"}, {"width", "320"}}, 1, folder() / "room");
-    TrackedImages tracked = track_images(read_images(folder() / "room"), {});
+    TrackOptions options;
+    options.threads = 1;
+    TrackedImages tracked = track_images(read_images(folder() / "room"), options);
     add_room_truth(folder() / "room", tracked.sequence);
     write_native(tracked.sequence, folder() / "tracked");
   }
@@ -56,7 +60,7 @@ class Rendered : public ::testing::Test {
   static Sequence tracked() { return read_native(folder() / "tracked"); }
 };
 
-TEST_F(Rendered, TheSameSeedGivesTheSameImages) {
+TEST_F(Rendered, TheSameSeedGivesTheSameImagesOnAnyNumberOfThreads) {
   RoomOptions options;
   options.width = 64;
   options.height = 48;
@@ -64,8 +68,10 @@ TEST_F(Rendered, TheSameSeedGivesTheSameImages) {
   const auto image = [&](std::uint64_t seed) {
     return render(Room(options, seed), options, seed, 3);
   };
-  EXPECT_EQ(cv::norm(image(5), image(5), cv::NORM_INF), 0.0);
-  EXPECT_GT(cv::norm(image(5), image(6), cv::NORM_INF), 0.0);
+  const cv::Mat alone = image(5);
+  EXPECT_GT(cv::norm(alone, image(6), cv::NORM_INF), 0.0);
+  cv::setNumThreads(-1);
+  EXPECT_EQ(cv::norm(alone, image(5), cv::NORM_INF), 0.0);
 }
 
 TEST_F(Rendered, TheTruthIsThereForEveryTrack) {
