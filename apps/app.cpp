@@ -35,13 +35,19 @@ void require_utf8(int argc, char** argv) {
   }
 }
 
+// What was said may still stand in a buffer, and be lost.
+int said(int exit_code) {
+  const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+  return lost ? complain("standard output: cannot be written", kFailed) : exit_code;
+}
+
 int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
   try {
     require_utf8(argc, argv);
     app.parse(argc, argv);
-    return exit_code;
+    return said(exit_code);
   } catch (const CLI::Success& help) {  // --help and --version are exceptions too
-    return app.exit(help);
+    return said(app.exit(help));
   } catch (const CLI::ParseError& error) {
     return complain(usage_error(app, error), kBadUsage);
   } catch (const InputError& error) {

@@ -19,6 +19,7 @@
 #include "datasets/text/text_table.h"
 #include "eval/compare/compare.h"
 #include "eval/configuration/registry.h"
+#include "eval/configuration/setup.h"
 #include "eval/output/metrics_table.h"
 #include "eval/report/report_generator.h"
 #include "frontend/odometry/rotation_check.h"
@@ -87,19 +88,22 @@ void say_what_is_wrong(const std::vector<NamedMetrics>& results) {
   }
 }
 
-// Everything that will be written into, before anything is. The mark comes first: what a comparison
-// that ended before its first run leaves is replaced, and any other with --force. No other process
-// may write there while the lock lives.
+// Everything that will be written into, before anything is. What a comparison that ended before its
+// first run leaves is replaced, and any other with --force. No other process may write there while
+// the lock lives, which is taken before the folder is looked at, but never put beside foreign
+// files.
 std::unique_ptr<FileLock> claim(const CompareArguments& arguments,
                                 const std::filesystem::path& output,
                                 const std::vector<ComparedRun>& runs) {
+  const std::filesystem::path& input = arguments.sequence;
+  require_output(output, kComparisonOutput, true, input);
+  require_writable_folder(output);
+  std::filesystem::create_directories(output);
+  auto lock = std::make_unique<FileLock>(output / kLockFile);
   const bool replace = arguments.force || arguments.output.empty();
   const auto mark = output / kComparisonOutput.mark;
   const std::string begun = std::string(kComparisonOutput.begins) + ",\n \"runs\": []\n}\n";
   const bool unfinished = std::filesystem::exists(mark) && read_text_file(mark) == begun;
-  std::unique_ptr<FileLock> lock;
-  if (unfinished) lock = std::make_unique<FileLock>(mark);
-  const std::filesystem::path& input = arguments.sequence;
   require_output(output, kComparisonOutput, replace || unfinished, input);
   if (input.empty()) require_output(output / kSequence, kSequenceOutput, replace || unfinished);
   for (const ComparedRun& run : runs) {
@@ -107,10 +111,8 @@ std::unique_ptr<FileLock> claim(const CompareArguments& arguments,
     if (!arguments.pictures) continue;
     require_output(output / run.label / kPictures, kPicturesOutput, replace, input);
   }
-  require_writable_folder(output);
-  std::filesystem::create_directories(output);
   if (!std::filesystem::exists(mark)) write_file(mark, begun);
-  return lock ? std::move(lock) : std::make_unique<FileLock>(mark);
+  return lock;
 }
 
 int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path& output) {

@@ -24,18 +24,22 @@ struct ReportArguments {
   std::string output;
 };
 
-int finish(const std::optional<Path>& report) {
-  if (!report) {
+// Of bad input the generator has said what is wrong.
+int finish(int exit_code, const Path& folder) {
+  if (exit_code == 0) fmt::print("{}\n", (folder / "report.html").string());
+  if (exit_code == 1) {
     fmt::print(stderr, "slammot: no report: the generator is missing or failed\n");
-    return 1;
   }
-  fmt::print("{}\n", report->string());
-  return 0;
+  return exit_code;
 }
 
 int report_again(const Path& folder) {
-  if (std::filesystem::exists(folder / "compare.json")) return finish(write_compare_report(folder));
-  if (std::filesystem::exists(folder / "results.jsonl")) return finish(write_study_report(folder));
+  if (std::filesystem::exists(folder / "compare.json")) {
+    return finish(make_compare_page(folder), folder);
+  }
+  if (std::filesystem::exists(folder / "results.jsonl")) {
+    return finish(make_study_page(folder), folder);
+  }
   throw InputError(folder, 0,
                    "holds neither a comparison (compare.json) nor a study (results.jsonl); a run "
                    "is reported with --output DIR");
@@ -109,7 +113,7 @@ int report_runs_to(const ReportArguments& arguments) {
     results.push_back({run.path.string(), run.estimator, run.stored.landmark, run.metrics});
   }
   fmt::print(stderr, "{}", warning_lines(results));
-  return finish(write_compare_report(output));
+  return finish(make_compare_page(output), output);
 }
 
 int execute(const ReportArguments& arguments) {

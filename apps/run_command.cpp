@@ -12,6 +12,7 @@
 #include "datasets/output/output_folder.h"
 #include "datasets/readers/reader.h"
 #include "eval/configuration/registry.h"
+#include "eval/configuration/setup.h"
 #include "eval/output/metrics_table.h"
 #include "eval/output/run_writer.h"
 #include "eval/run/evaluate.h"

@@ -9,6 +9,7 @@
 #include "apps/support/usage.h"
 #include "apps/support/writable.h"
 #include "datasets/output/output_files.h"
+#include "datasets/text/number.h"
 #include "eval/report/report_generator.h"
 #include "eval/study/study_driver.h"
 #include "eval/study/study_view.h"
@@ -32,14 +33,13 @@ struct StudyArguments {
 };
 
 Shard parse_shard(const std::string& text) {
-  Shard shard;
-  if (text.empty()) return shard;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%d/%d%c", &shard.index, &shard.count, &rest) != 2 ||
-      shard.index < 1 || shard.index > shard.count) {
+  if (text.empty()) return {};
+  const auto [first, second] = cut_at('/', text);
+  const auto index = parse_number<int>(first), count = parse_number<int>(second);
+  if (!index || !count || *index < 1 || *index > *count) {
     throw std::invalid_argument("--shard must be I/N with 1 <= I <= N, not '" + text + "'");
   }
-  return shard;
+  return {*index, *count};
 }
 
 int finish(const Study& study, const std::filesystem::path& output,

@@ -21,13 +21,4 @@ Sequence simulate_to(const ScenarioOptions& options, const std::filesystem::path
   return read_sequence(folder);
 }
 
-Sequence selected(Sequence sequence, const FrameSelection& frames) {
-  const std::string name = sequence.name;
-  Sequence result = select_frames(std::move(sequence), frames.first, frames.last, frames.step);
-  if (result.frames.empty()) {
-    throw std::invalid_argument("frames.first and frames.last leave no frame of " + name);
-  }
-  return result;
-}
-
 }  // namespace slammot

@@ -26,7 +26,4 @@ ScenarioOverrides overrides_of(const ScenarioOptions& options);
 // stored.
 Sequence simulate_to(const ScenarioOptions& options, const std::filesystem::path& folder);
 
-// The frames that the configuration selects; throws std::invalid_argument if none is left.
-Sequence selected(Sequence sequence, const FrameSelection& frames);
-
 }  // namespace slammot

@@ -1,6 +1,5 @@
 #include "apps/support/writable.h"
 
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -17,21 +16,13 @@ namespace fs = std::filesystem;
   throw std::invalid_argument(path.string() + ": cannot be written: " + reason);
 }
 
-// The probe is a file in the folder, or the first missing folder of its path.
+// In the folder, or in the nearest one of its path that is there. The name is nobody else's:
+// another process that begins at the same time may be making the same folder.
 int probe(const fs::path& folder) {
-  fs::path missing = fs::absolute(folder).lexically_normal();
-  if (fs::is_directory(missing)) {
-    std::string file = (missing / ".slammot-XXXXXX").string();
-    const int descriptor = ::mkstemp(file.data());
-    if (descriptor < 0) return errno;
-    ::close(descriptor);
-    return ::unlink(file.c_str()) == 0 ? 0 : errno;
-  }
-  while (missing.has_relative_path() && !fs::exists(missing.parent_path())) {
-    missing = missing.parent_path();
-  }
-  if (!missing.has_filename()) missing = missing.parent_path();  // a slash at the end
-  return ::mkdir(missing.c_str(), 0777) == 0 && ::rmdir(missing.c_str()) == 0 ? 0 : errno;
+  fs::path there = fs::absolute(folder).lexically_normal();
+  while (there.has_relative_path() && !fs::exists(there)) there = there.parent_path();
+  std::string name = (there / ".slammot-XXXXXX").string();
+  return ::mkdtemp(name.data()) != nullptr && ::rmdir(name.c_str()) == 0 ? 0 : errno;
 }
 
 }  // namespace

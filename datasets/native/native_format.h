@@ -14,6 +14,8 @@ inline constexpr std::string_view kGroundTruth = "groundtruth.tum";
 inline constexpr std::string_view kLandmarks = "landmarks.csv";
 inline constexpr std::string_view kKnown = "known.csv";
 inline constexpr std::string_view kInitial = "initial.yaml";
+inline constexpr std::string_view kFileNames[] = {kSettings,  kFrames, kObservations, kGroundTruth,
+                                                  kLandmarks, kKnown,  kInitial};
 
 inline constexpr std::string_view kFramesHeader = "frame,timestamp";
 inline constexpr std::string_view kFramesWithImagesHeader = "frame,timestamp,image";

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <iterator>
 
 #include "datasets/native/native_format.h"
@@ -46,7 +47,7 @@ std::string quoted(const std::string& name) {
 
 Text settings_text(const Sequence& s) {
   Text text;
-  put(text, "{}\nformat: {}\nname: {}\n", kSequenceOutput.begins, native::kFormat, quoted(s.name));
+  put(text, "format: {}\nname: {}\n", native::kFormat, quoted(s.name));
   const Camera& c = s.camera;
   put(text, "camera: {{model: {}, width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}",
       lens_name(c.lens), c.width, c.height, c.fx, c.fy, c.cx, c.cy);
@@ -140,14 +141,31 @@ Texts texts_of(const Sequence& s, NativeParts parts) {
   const auto add = [&](std::string_view name, const Text& text) {
     texts[name] = fmt::to_string(text);
   };
-  add(native::kSettings, settings_text(s));
   add(native::kFrames, frames_text(s));
   if (parts == NativeParts::kAll) add(native::kObservations, observations_text(s));
   if (!s.truth.empty()) add(native::kGroundTruth, poses_text(s));
   if (!s.landmarks.empty()) add(native::kLandmarks, landmarks_text(s));
   if (!s.known.empty()) add(native::kKnown, known_text(s));
   if (s.initial) add(native::kInitial, initial_text(*s.initial));
+  Text head;
+  put(head, "{}: sequence.yaml", kSequenceOutput.begins);
+  for (const auto& [name, text] : texts) put(head, " {}", name);
+  texts[native::kSettings] = fmt::to_string(head) + '\n' + fmt::to_string(settings_text(s));
   return texts;
+}
+
+// A file of a sequence that somebody put there is neither replaced nor removed: what this program
+// wrote there stands in the first line of sequence.yaml.
+void require_own(const std::filesystem::path& folder) {
+  std::string head;
+  std::getline(std::ifstream(folder / native::kSettings), head);
+  for (const auto name : native::kFileNames) {
+    if (!std::filesystem::exists(folder / name)) continue;
+    if ((head + ' ').find(fmt::format(" {} ", name)) != std::string::npos) continue;
+    throw std::invalid_argument(
+        (folder / name).string() +
+        ": was not written by this program, and is not replaced or removed");
+  }
 }
 
 // Nothing is written that the reader would refuse, and no name that a line cannot hold.
@@ -181,11 +199,10 @@ void write_native(const Sequence& sequence, const std::filesystem::path& folder,
                   NativeParts parts) {
   const Texts texts = texts_of(sequence, parts);
   require_readable(folder, texts, sequence);
+  require_own(folder);
   std::filesystem::create_directories(folder);
   OutputFiles files;
-  for (const auto name :
-       {native::kSettings, native::kFrames, native::kObservations, native::kGroundTruth,
-        native::kLandmarks, native::kKnown, native::kInitial}) {
+  for (const auto name : native::kFileNames) {
     if (texts.contains(name)) {
       files.write(folder / name, texts.at(name));
     } else {

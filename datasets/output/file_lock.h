@@ -5,6 +5,9 @@
 
 namespace slammot {
 
+// In a folder whose other files are renamed when they are written: this one never is.
+inline constexpr char kLockFile[] = ".slammot-lock";
+
 class FileLock {
  public:
   // Opens the file to read and to append, and makes it if there is none. Throws

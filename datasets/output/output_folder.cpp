@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "datasets/output/file_lock.h"
 #include "datasets/output/output_files.h"
 #include "datasets/text/printable.h"
 
@@ -17,6 +18,8 @@ namespace fs = std::filesystem;
   throw std::invalid_argument(fmt::format("{}: {}", folder.string(), reason));
 }
 
+}  // namespace
+
 bool is_own(const fs::path& folder, const OutputKind& kind) {
   const fs::path mark = folder / kind.mark;
   if (!fs::is_regular_file(mark)) return false;
@@ -25,13 +28,12 @@ bool is_own(const fs::path& folder, const OutputKind& kind) {
   return beginning == kind.begins;
 }
 
-}  // namespace
-
 bool is_vacant(const fs::path& folder) {
   if (!fs::exists(folder)) return true;
   const fs::directory_iterator entries(folder);
-  return std::all_of(begin(entries), end(entries),
-                     [](const auto& entry) { return is_unfinished(entry.path()); });
+  return std::all_of(begin(entries), end(entries), [](const auto& entry) {
+    return is_unfinished(entry.path()) || entry.path().filename() == kLockFile;
+  });
 }
 
 void require_output(const fs::path& folder, const OutputKind& kind, bool replace,

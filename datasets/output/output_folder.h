@@ -18,6 +18,8 @@ inline constexpr OutputKind kSequenceOutput{"a sequence", "sequence.yaml", "# wr
 inline constexpr OutputKind kRunOutput{"a run", "run.yaml", "format: slammot-run-1"};
 inline constexpr OutputKind kComparisonOutput{"a comparison", "compare.json",
                                               "{\n \"format\": \"slammot-compare-1\""};
+inline constexpr OutputKind kStudyOutput{
+    "a study", "study.yaml", "# Copied by slammot: what it made of it stands beside it.\n"};
 inline constexpr OutputKind kPicturesOutput{"pictures", "pictures.yaml",
                                             "format: slammot-pictures-1"};
 
@@ -25,6 +27,9 @@ inline constexpr OutputKind kPicturesOutput{"pictures", "pictures.yaml",
 // output of this kind to be replaced. `input` is never replaced.
 void require_output(const std::filesystem::path& folder, const OutputKind& kind, bool replace,
                     const std::filesystem::path& input = {});
+
+// Whether the mark is there.
+bool is_own(const std::filesystem::path& folder, const OutputKind& kind);
 
 // Whether nothing is in the folder, or only what a killed program left; true if there is none.
 bool is_vacant(const std::filesystem::path& folder);

@@ -4,11 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 
 #include "datasets/text/input_error.h"
 
 namespace slammot {
+namespace {
+
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 30;  // of a file that is read whole
+
+}  // namespace
 
 std::string read_text_file(const std::filesystem::path& file) {
   std::error_code ignored;
@@ -19,7 +25,9 @@ std::string read_text_file(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string text;
   if (stream) {
-    text.resize(std::filesystem::file_size(file));
+    const std::uintmax_t bytes = std::filesystem::file_size(file);
+    if (bytes > kMostBytes) throw InputError(file, 0, "cannot be read: larger than 4 GiB");
+    text.resize(bytes);
     stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   }
   if (!stream) throw InputError(file, 0, "cannot be read");

@@ -14,8 +14,8 @@
 
 namespace slammot {
 
-// The content of a file; throws InputError if it is missing, is a pipe or a folder, or cannot be
-// read.
+// The content of a file; throws InputError if it is missing, is a pipe or a folder, cannot be read,
+// or has more than 4 GiB.
 std::string read_text_file(const std::filesystem::path& file);
 
 // Refuses what is not UTF-8, with its line.

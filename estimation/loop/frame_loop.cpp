@@ -7,8 +7,10 @@ namespace slammot {
 
 namespace {
 
-// In one frame, so that its time is bounded. What is still wrong waits for the next.
-constexpr int kMostRevisions = 10;
+// Frames that are processed again, in units of those that the first labels are open for: in one
+// frame, so that its time is bounded (what is still wrong waits for the next), and in a run. On
+// `circle` and `square` a frame needs one unit at most, a run five.
+constexpr int kMostAnewInAFrame = 2, kMostAnew = 10;
 
 }  // namespace
 
@@ -38,7 +40,12 @@ FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
   if (first_.frames().empty()) return advance(frame, stages);
   const TrackRecords before = manager_->records();
   FrameReport report = advance(frame, stages);
-  for (int k = 0; k < kMostRevisions && first_.revise(manager_->records()); ++k) {
+  const int frames = static_cast<int>(first_.frames().size());
+  const int unit = std::max(models_.labels.start, models_.labels.start_over);
+  for (int anew = frames; anew <= kMostAnewInAFrame * unit && anew_ + frames <= kMostAnew * unit &&
+                          first_.revise(manager_->records());
+       anew += frames) {
+    anew_ += frames;
     report = start_over(before, stages);
   }
   return report;

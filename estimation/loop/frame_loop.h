@@ -55,6 +55,7 @@ class FrameLoop final : public Estimator {
   std::unique_ptr<Belief> belief_;
   std::unique_ptr<LandmarkManager> manager_;
   std::optional<double> timestamp_;
+  int anew_ = 0;  // frames processed again
 
   // Of the frame in hand; kept for their memory.
   std::vector<Observation> measured_, in_view_, accepted_;

@@ -24,6 +24,10 @@ constexpr Range kNotNegative{[](double x) { return x >= 0.0; }, "at least 0"};
 constexpr Range kAboveOne{[](double x) { return x > 1.0; }, "greater than 1"};
 constexpr Range kFromMinusOne{[](double x) { return x >= -1.0; }, "at least -1"};
 constexpr Range kFinite{[](double) { return true; }, "a finite number"};
+// Each past pose is six rows of the covariance.
+constexpr Range kPastPoses{[](double x) { return x >= 0.0 && x <= 500.0; }, "from 0 to 500"};
+constexpr Range kProbation{[](double x) { return x >= 1.0 && x <= 500.0; }, "from 1 to 500"};
+constexpr Range kUpToThousand{[](double x) { return x >= 1.0 && x <= 1000.0; }, "from 1 to 1000"};
 constexpr Range kUpToOne{[](double x) { return x > 0.0 && x <= 1.0; }, "above 0 and at most 1"};
 constexpr Range kInsideUnit{[](double x) { return x > 0.0 && x < 1.0; }, "between 0 and 1"};
 
@@ -162,8 +166,8 @@ std::vector<ConfigurationKey> model_keys() {
       option<LabelRule>("labels",
                         "kept for ever (thesis), or reverted when innovations reject them",
                         listed(kLabelRules), SLAMMOT_FIELD(model.labels.rule)),
-      number("labels.window", "reversible: innovations in the test of a static label", kPositive,
-             SLAMMOT_FIELD(model.labels.window)),
+      number("labels.window", "reversible: innovations in the test of a static label",
+             kUpToThousand, SLAMMOT_FIELD(model.labels.window)),
       number("labels.probability", "reversible: of a right static label being rejected in a frame",
              kInsideUnit, SLAMMOT_FIELD(model.labels.probability)),
       number("labels.memory",
@@ -185,7 +189,7 @@ std::vector<ConfigurationKey> model_keys() {
       number("policy.probation",
              "frames in a row that measure a track until it becomes a landmark, with all its "
              "measurements",
-             kPositive, SLAMMOT_FIELD(model.policy.probation)),
+             kProbation, SLAMMOT_FIELD(model.policy.probation)),
       number("policy.prune_after", "frames without a measurement until a landmark is pruned",
              kPositive, SLAMMOT_FIELD(model.policy.prune_after)),
       number("policy.prune_missed_after",
@@ -257,14 +261,14 @@ std::vector<ConfigurationKey> estimator_keys() {
                                    {"ideal", FilterLinearisation::kIdeal},
                                    {"invariant", FilterLinearisation::kInvariant}},
                                   SLAMMOT_FIELD(ekf.linearisation)),
-      number("ekf.iterations", "1: EKF, more: iterated EKF", kPositive,
+      number("ekf.iterations", "1: EKF, more: iterated EKF", kUpToThousand,
              SLAMMOT_FIELD(ekf.iterations)),
       number("ekf.lag", "past poses that stay in the state, to be corrected by later frames",
-             kNotNegative, SLAMMOT_FIELD(ekf.lag)),
+             kPastPoses, SLAMMOT_FIELD(ekf.lag)),
       flag("ekf.deferred", "landmarks out of view are updated when they return; exact",
            SLAMMOT_FIELD(ekf.deferred)),
       number("window.frames", "camera states kept", kPositive, SLAMMOT_FIELD(window.frames)),
-      number("window.iterations", "Gauss-Newton steps a frame at most", kPositive,
+      number("window.iterations", "Gauss-Newton steps a frame at most", kUpToThousand,
              SLAMMOT_FIELD(window.iterations)),
       number("window.linearisation_error",
              "a step after which residuals are as predicted to so many sigma is the last",

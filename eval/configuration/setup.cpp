@@ -66,6 +66,15 @@ std::shared_ptr<const Truth> truth_of(const Sequence& sequence) {
 
 }  // namespace
 
+Sequence selected(Sequence sequence, const FrameSelection& frames) {
+  const std::string name = sequence.name;
+  Sequence result = select_frames(std::move(sequence), frames.first, frames.last, frames.step);
+  if (result.frames.empty()) {
+    throw std::invalid_argument("frames.first and frames.last leave no frame of " + name);
+  }
+  return result;
+}
+
 Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
   Setup setup;
   setup.camera = sequence.camera;

@@ -12,6 +12,9 @@
 
 namespace slammot {
 
+// The frames that the configuration selects; throws std::invalid_argument if none is left.
+Sequence selected(Sequence sequence, const FrameSelection& frames);
+
 Setup make_setup(const Sequence& sequence, const Configuration& configuration);
 
 // The configuration with every `sequence` replaced by the number that is used, for run.yaml.

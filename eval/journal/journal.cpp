@@ -70,6 +70,15 @@ JournalIdentity identity_in(const Json& head) {
           head.at("configuration").get<std::string>(), head.value("recordings", "")};
 }
 
+// A line that is nested deeper than any run's would overflow the stack when it is written again.
+Json parse_line(const std::string& line) {
+  constexpr int kDeepest = 64;
+  return Json::parse(line, [](int depth, Json::parse_event_t, const Json&) {
+    if (depth > kDeepest) throw Json::other_error::create(501, "is nested too deeply", nullptr);
+    return true;
+  });
+}
+
 RunKey key_of(const Json& part) {
   const Json &cell = part.at("cell"), &seed = part.at("seed");
   if (!cell.is_number_unsigned() || !seed.is_number_unsigned()) {
@@ -88,7 +97,7 @@ class JournalReader {
 
   void read(std::streamoff offset, int number, const std::string& line) {
     try {
-      const Json json = Json::parse(line);
+      const Json json = parse_line(line);
       if (json.contains("journal")) {
         check(identity_in(json["journal"]), number);
         known_ = true;
@@ -124,6 +133,10 @@ class JournalReader {
                        "these runs do not say what program made them: --force takes them");
     }
     const RunKey key = key_of(json.at("result"));
+    const Json& diverged = json["result"].at("diverged");
+    if (!diverged.is_null() && !diverged.is_object()) {
+      throw InputError(file_, number, "'diverged' is neither null nor a frame with a reason");
+    }
     if (key.first >= rules_.cells || key != key_of(json.at("timing"))) {
       throw InputError(file_, number, "is not a run of this study");
     }
@@ -153,7 +166,7 @@ Json read_run_line(const RunPlace& place) {
   in.seekg(place.offset);
   std::string line;
   std::getline(in, line);
-  return Json::parse(line);
+  return parse_line(line);
 }
 
 void Journal::fail() const {

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+
+#include "datasets/text/number.h"
+#include "datasets/text/printable.h"
 
 namespace slammot {
 namespace {
@@ -117,9 +121,33 @@ Json json_of(const std::optional<Divergence>& d) {
   return d ? Json{{"frame", d->frame}, {"reason", d->reason}} : Json();
 }
 
+namespace {
+
+// Of a file that may be anybody's, for the terminal.
+std::string reason_of(const Json& json) { return printable(json.at("reason").get<std::string>()); }
+
+double plausible_number(const Json& json, double largest) {
+  const double value = json.get<double>();
+  if (std::abs(value) <= largest) return value;
+  throw Json::other_error::create(501, "not plausible: " + json.dump(), &json);
+}
+
+// Of the accepted; zero where their mean is not known.
+double nis_sum(const Json& mean, int accepted) {
+  constexpr double kMostSigmas = kLargest / kSmallest;
+  return mean.is_number() ? plausible_number(mean, kMostSigmas * kMostSigmas) * accepted : 0.0;
+}
+
+// The numbers are added up.
+void require_countable(const MeasurementCounts& counts) {
+  count_of(std::int64_t{counts.accepted} + counts.rejected + counts.out_of_view);
+}
+
+}  // namespace
+
 std::optional<Divergence> divergence_of(const Json& json) {
   if (json.is_null()) return std::nullopt;
-  return Divergence{count_of(json.at("frame")), json.at("reason").get<std::string>()};
+  return Divergence{count_of(json.at("frame")), reason_of(json)};
 }
 
 Json json_of(const std::vector<RunWarning>& warnings) {
@@ -134,8 +162,8 @@ std::vector<RunWarning> warnings_of(const Json& json) {
   std::vector<RunWarning> warnings;
   for (const Json& w : json) {
     const Json& frame = w.at("frame");
-    warnings.push_back({frame.is_null() ? std::nullopt : std::optional(frame.get<int>()),
-                        w.at("reason").get<std::string>()});
+    warnings.push_back(
+        {frame.is_null() ? std::nullopt : std::optional(count_of(frame)), reason_of(w)});
   }
   return warnings;
 }
@@ -163,6 +191,7 @@ Json metrics_json(const RunMetrics& m) {
 
 void restore_totals(const Json& metrics, RunResult& run) {
   const MeasurementCounts counts = measurement_counts_of(metrics.at("coverage"));
+  require_countable(counts);
   FrameCounts& totals = run.totals;
   run.frames_offered = counts.frames_offered;
   totals.accepted = counts.accepted;
@@ -171,11 +200,9 @@ void restore_totals(const Json& metrics, RunResult& run) {
   totals.admitted = counts.initialised;
   totals.pruned = counts.pruned;
   totals.negative_inverse_depth = counts.negative_inverse_depth;
-  const Json& mean_nis = metrics.at("nis").at("mean");
-  if (mean_nis.is_number()) totals.nis_sum = mean_nis.get<double>() * totals.accepted;
-  const Json& joint_nis = metrics.at("nis").at("joint_mean");
-  if (joint_nis.is_number()) totals.joint_nis = joint_nis.get<double>() * totals.accepted;
-  run.smoothing_ms = metrics.at("runtime").at("smoothing_ms").get<double>();
+  totals.nis_sum = nis_sum(metrics.at("nis").at("mean"), totals.accepted);
+  totals.joint_nis = nis_sum(metrics.at("nis").at("joint_mean"), totals.accepted);
+  run.smoothing_ms = plausible_number(metrics.at("runtime").at("smoothing_ms"), kLargest);
   run.diverged = divergence_of(metrics.at("divergence"));
   run.warnings = warnings_of(metrics.at("warnings"));
 }

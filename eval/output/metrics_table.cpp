@@ -7,6 +7,8 @@
 #include <map>
 #include <set>
 
+#include "datasets/text/printable.h"
+
 namespace slammot {
 namespace {
 
@@ -65,7 +67,9 @@ Names names_of(const std::vector<NamedMetrics>& results) {
   for (const NamedMetrics& r : results) names.push_back({r.estimator, r.landmark});
   if (several) {
     names.front().emplace_back("sequence");
-    for (std::size_t i = 0; i < results.size(); ++i) names[i + 1].push_back(results[i].sequence);
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      names[i + 1].push_back(printable(results[i].sequence));
+    }
   }
   if (!labelled) return names;
   names.front().insert(names.front().begin(), "run");
@@ -162,7 +166,7 @@ std::string warning_lines(const std::vector<NamedMetrics>& results) {
   std::string text;
   for (const NamedMetrics& result : results) {
     for (const RunWarning& w : result.metrics.warnings) {
-      text += "slammot: warning: " + result.label + told(w) + "\n";
+      text += "slammot: warning: " + printable(result.label + told(w)) + "\n";
     }
   }
   return text;

@@ -116,7 +116,7 @@ std::vector<ClassificationRecord> read_classification(const Path& file) {
 std::vector<StageTime> read_timing(const Path& file) {
   std::vector<StageTime> timing;
   for_each_row(file, 4, [&](const TextTable& row) {
-    timing.push_back({row.count(0), std::string(row.field(1)), row.real(2), row.count(3)});
+    timing.push_back({row.count(0), printable(row.field(1)), row.bounded(2), row.count(3)});
   });
   return timing;
 }

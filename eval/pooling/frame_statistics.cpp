@@ -5,6 +5,7 @@
 
 #include "eval/metrics/accuracy.h"
 #include "eval/metrics/nees.h"
+#include "eval/output/metrics_json.h"
 #include "eval/pooling/estimate_json.h"
 #include "eval/statistics/chi_square.h"
 #include "eval/statistics/statistics.h"
@@ -107,14 +108,16 @@ void FrameStatistics::add(const Json& frames) {
   }
   const Json& index = frames.at("frame");
   for (std::size_t i = 0; i < index.size(); ++i) {
-    Frame& frame = frames_[index[i].get<int>()];
-    for (const char* what : kSampled) {
-      if (frames.contains(what)) frame.samples[what].push_back(number(frames.at(what)[i]));
+    Frame& frame = frames_[count_of(index.at(i))];
+    for (const std::string what : kSampled) {
+      const bool may_lack = what.starts_with("nees_");  // where no covariance is stated
+      if (may_lack && !frames.contains(what)) continue;
+      frame.samples[what].push_back(number(frames.at(what).at(i)));
     }
     for (const std::string part : kLandmarkParts) {
       if (!frames.contains("nees_" + part)) continue;  // smoothed cameras have no landmarks
       frame.landmark_nees[part].push_back(
-          run_sum(frames.at("nees_" + part)[i], frames.at(part + "_count")[i]));
+          run_sum(frames.at("nees_" + part).at(i), frames.at(part + "_count").at(i)));
     }
   }
 }

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """compare_report.py OUTPUT: writes OUTPUT/report.html from OUTPUT/compare.json and its run folders.
 
-The page needs nothing but itself: Plotly is carried inside. Silent on success; exit 2 and one line on
-stderr for bad input, a missing package or a page that cannot be written.
+The page needs nothing but itself: Plotly is carried inside. Silent on success; one line on stderr and
+exit 2 for bad input, 1 for a missing package or a page that cannot be written.
 """
 import sys
 
@@ -30,4 +30,4 @@ def page(output):
 
 
 if __name__ == "__main__":
-    sys.exit(run_report("compare_report", page))
+    sys.exit(run_report("compare_report", page, "compare.json"))

@@ -20,6 +20,10 @@ class BadInput(Exception):
     """One line: file and reason."""
 
 
+class NotMade(Exception):
+    """One line: what is missing beside the input, or cannot be written."""
+
+
 @dataclass
 class Run:
     label: str
@@ -143,11 +147,13 @@ def dig(tree, *path):
 
 def read_json(path, form=None):
     """What a JSON file holds; where a format is stated, an object that says it is in this format."""
+    if path.exists() and not path.is_file():
+        raise BadInput(f"{path}: not a regular file")  # a pipe would block
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise BadInput(f"{path}: {error.strerror}") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise BadInput(f"{path}: {error}") from error
     if form and (not isinstance(content, dict) or content.get("format") != form):
         raise BadInput(f"{path}: not in the format {form}")

@@ -1,5 +1,6 @@
 """What every page shares: the template engine, Plotly carried inside, data that a script reads, and the command line."""
 import base64
+import contextlib
 import gzip
 import importlib.util
 import json
@@ -7,7 +8,7 @@ import os
 import pathlib
 import sys
 
-from comparison import BadInput
+from comparison import BadInput, NotMade
 
 HERE = pathlib.Path(__file__).resolve().parent
 GENERATOR = '<meta name="generator" content="slammot">'  # of base.html
@@ -22,7 +23,7 @@ def plotly_source():
     for path in candidates:
         if path.is_file():
             return path.read_bytes()
-    raise BadInput("plotly.js: not found; install python3-plotly")
+    raise NotMade("plotly.js: not found; install python3-plotly")
 
 
 def packed(source):
@@ -43,7 +44,7 @@ def template(name):
     try:
         import jinja2
     except ImportError as error:
-        raise BadInput("jinja2: not found; install python3-jinja2") from error
+        raise NotMade("jinja2: not found; install python3-jinja2") from error
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(HERE), autoescape=True, undefined=jinja2.StrictUndefined,
         trim_blocks=True, lstrip_blocks=True)
@@ -58,33 +59,55 @@ def rendered(name, script, data, **content):
         plotly=packed(plotly_source()) if drawn else None, **content)
 
 
-def write_aside(path, text):
-    """The file whole or not at all."""
+@contextlib.contextmanager
+def aside(path):
+    """A path to write to, for a file that is there whole or not at all."""
     unfinished = path.with_name(f"{path.stem}.{os.getpid()}.unfinished{path.suffix}")
     try:
-        unfinished.write_text(text, encoding="utf-8")
+        yield unfinished
         os.replace(unfinished, path)
     except OSError as error:
+        raise NotMade(f"{path}: cannot be written: {error.strerror}") from error
+    finally:
         unfinished.unlink(missing_ok=True)
-        raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
+
+
+def write_aside(path, text):
+    with aside(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
 
 
 def require_own(report):
     """Only a page of this program's is replaced."""
-    if report.exists() and GENERATOR not in report.read_text(encoding="utf-8", errors="replace")[:1000]:
+    if report.exists() and not (report.is_file() and GENERATOR in report.read_text(encoding="utf-8", errors="replace")[:1000]):
         raise BadInput(f"{report}: was not written by slammot: it is not replaced")
 
 
-def run_report(name, make):
-    """The program `name.py OUTPUT`: the page that `make` returns for the folder goes to OUTPUT/report.html; the exit code."""
+def one_line(error):
+    """Of unknown origin, for the terminal."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in str(error))[:2000]
+
+
+def made(make, output, source):
+    """What `make` makes of a folder. What it cannot make anything of is no fault of its own: the file may be anybody's."""
+    try:
+        return make(output)
+    except (BadInput, NotMade, OSError):
+        raise
+    except Exception as error:  # of whatever kind: shapes are not looked at beforehand
+        raise BadInput(f"{output / source}: is not as slammot writes it ({type(error).__name__}: {error})") from error
+
+
+def run_report(name, make, source):
+    """The program `name.py OUTPUT`: the page that `make` makes of OUTPUT/`source` goes to OUTPUT/report.html; the exit code."""
     if len(sys.argv) != 2:
         print(f"usage: {name}.py OUTPUT", file=sys.stderr)
         return 2
     output = pathlib.Path(sys.argv[1])
     try:
         require_own(output / "report.html")
-        write_aside(output / "report.html", make(output))
-    except (BadInput, OSError) as error:
-        print(f"{name}: {error}", file=sys.stderr)
-        return 2
+        write_aside(output / "report.html", made(make, output, source))
+    except (BadInput, NotMade, OSError) as error:
+        print(f"{name}: {one_line(error)}", file=sys.stderr)
+        return 2 if isinstance(error, BadInput) else 1
     return 0

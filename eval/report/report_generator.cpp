@@ -19,18 +19,23 @@ using Path = std::filesystem::path;
 constexpr char kCompare[] = "report/compare_report.py";
 constexpr char kStudy[] = "report/study_report.py";
 
-// Without a shell, so that no character of a path means anything.
-bool run_program(std::vector<std::string> words) {
+constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
+
+// Its exit code. Without a shell, so that no character of a path means anything.
+int run_program(std::vector<std::string> words) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   pid_t child = 0;
   if (posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) {
-    return false;
+    return kFailed;
   }
   int status = 0;
-  return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  if (waitpid(child, &status, 0) != child || !WIFEXITED(status)) return kFailed;
+  return WEXITSTATUS(status);
 }
+
+Path page_of(const Path& output) { return output / "report.html"; }
 
 }  // namespace
 
@@ -49,22 +54,31 @@ std::optional<Path> share_folder() {
 
 namespace {
 
-std::optional<Path> write_report(const char* generator, const Path& output) {
+int make_page(const char* generator, const Path& output) {
   const std::optional<Path> share = share_folder();
-  if (!share) return std::nullopt;
-  const Path report = output / "report.html";
-  if (!run_program({python_interpreter(), (*share / generator).string(), output.string()})) {
-    return std::nullopt;
-  }
-  return std::filesystem::exists(report) ? std::optional(report) : std::nullopt;
+  if (!share) return kFailed;
+  const int code =
+      run_program({python_interpreter(), (*share / generator).string(), output.string()});
+  if (code == kDone) return std::filesystem::exists(page_of(output)) ? kDone : kFailed;
+  return code == kBadInput ? kBadInput : kFailed;
+}
+
+std::optional<Path> page_if_done(int code, const Path& output) {
+  return code == kDone ? std::optional(page_of(output)) : std::nullopt;
 }
 
 }  // namespace
 
+int make_compare_page(const Path& output) { return make_page(kCompare, output); }
+
+int make_study_page(const Path& output) { return make_page(kStudy, output); }
+
 std::optional<Path> write_compare_report(const Path& output) {
-  return write_report(kCompare, output);
+  return page_if_done(make_compare_page(output), output);
 }
 
-std::optional<Path> write_study_report(const Path& output) { return write_report(kStudy, output); }
+std::optional<Path> write_study_report(const Path& output) {
+  return page_if_done(make_study_page(output), output);
+}
 
 }  // namespace slammot

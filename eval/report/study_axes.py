@@ -1,14 +1,14 @@
 """What the figures of a study share: pyplot as they use it, axes with readable scales, one legend above all."""
 import math
 
-from comparison import BadInput
+from comparison import NotMade
 
 
 def pyplot():
     try:
         import matplotlib
     except ImportError as error:
-        raise BadInput("matplotlib: not found; install python3-matplotlib") from error
+        raise NotMade("matplotlib: not found; install python3-matplotlib") from error
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": 0.3, "axes.spines.top": False,

@@ -1,10 +1,12 @@
 """The figures of a study, as PDF and PNG, by Matplotlib: the thesis's layouts where it has them."""
 import pathlib
+import re
 from dataclasses import dataclass
 
 import lags
 import metrics
 from comparison import RUN_COLOURS, BadInput
+from page import aside
 from study_axes import around, expected, explain, finite, grid, legend_above, pyplot
 from study_tables import error_name, error_of, estimators_of, frame_ms, is_ideal, plain, value_of
 
@@ -385,7 +387,13 @@ def drawn(plt, summary, name):
 
 
 def file_of(name):
-    return name.replace(":", "_")
+    """In the folder of the figures, whatever the name."""
+    return re.sub(r"[^\w.-]", "_", name)
+
+
+def save(figure, file, **options):
+    with aside(file) as unfinished:
+        figure.savefig(unfinished, bbox_inches="tight", **options)
 
 
 def draw_all(summary, folder):
@@ -402,8 +410,8 @@ def draw_all(summary, folder):
         figure, (title, caption) = made
         figure.tight_layout()
         legend_above(figure)
-        figure.savefig(folder / f"{file_of(name)}.pdf", metadata={"CreationDate": None}, bbox_inches="tight")
-        figure.savefig(folder / f"{file_of(name)}.png", dpi=150, metadata={"Software": None}, bbox_inches="tight")
+        save(figure, folder / f"{file_of(name)}.pdf", metadata={"CreationDate": None})
+        save(figure, folder / f"{file_of(name)}.png", metadata={"Software": None}, dpi=150)
         plt.close(figure)
         figures.append(Figure(title, caption, folder / f"{file_of(name)}.png"))
     return figures

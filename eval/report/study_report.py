@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """study_report.py OUTPUT: figures (PDF, PNG), tables (LaTeX, CSV) and OUTPUT/report.html from OUTPUT/summary.json.
 
-Silent on success; exit 2 and one line on stderr for bad input, a missing package or a file that cannot be written.
+Silent on success; one line on stderr and exit 2 for bad input, 1 for a missing package or a file that cannot be written.
 """
 import base64
 import sys
@@ -44,7 +44,7 @@ def page(output):
     tables = tables_of(summary)
     write_tables(tables, output / "tables")
     if summary.get("latex"):
-        (output / "tables" / "paper.tex").write_text(study_tables.paper_table(summary), encoding="utf-8")
+        write_aside(output / "tables" / "paper.tex", study_tables.paper_table(summary))
     figures = study_figures.draw_all(summary, output / "figures")
     return rendered(
         "study.html", "view.js", view if view and view["runs"] else None,
@@ -53,4 +53,4 @@ def page(output):
 
 
 if __name__ == "__main__":
-    sys.exit(run_report("study_report", page))
+    sys.exit(run_report("study_report", page, "summary.json"))

@@ -129,7 +129,7 @@ std::string run_name(const Path& run) {
   const Path path = resolved(run);
   const bool file = std::filesystem::is_regular_file(path);
   const std::string name = (file ? path.stem() : path.filename()).string();
-  return name.empty() ? "run" : name;
+  return name.empty() ? "run" : printable(name);
 }
 
 std::shared_ptr<const Sequence> Judge::sequence_at(const Path& path) {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "eval/metrics/nees.h"
+#include "eval/statistics/statistics.h"
 
 namespace slammot {
 namespace {
@@ -25,9 +26,10 @@ constexpr double kMostRejected = 0.15;  // a gate rejects a twentieth of right m
 constexpr double kMostRejectedOfBurst = 0.5;
 constexpr int kLeastStatic = 5;  // used; three hold a camera, four cannot tell which is wrong
 constexpr double kLeastShareStatic = 0.1;
-constexpr double kExplains = 0.5;       // of what the five-point estimate does
-constexpr std::size_t kMostWrong = 5;   // one span in so many
-constexpr std::size_t kLeastWrong = 2;  // spans
+constexpr double kExplains = 0.5;         // of what the five-point estimate does
+constexpr std::size_t kMostWrong = 5;     // one span in so many
+constexpr std::size_t kLeastWrong = 2;    // spans
+constexpr double kLongestInterval = 5.0;  // between two frames, in usual ones
 
 struct Sums {
   size_t frames = 0, with_few_static = 0;
@@ -105,6 +107,22 @@ std::optional<std::string> hardly_any_is_static(const Sums& s) {
                      100.0 * s.accepted_static / s.accepted, s.frames);
 }
 
+// Nobody sees what the camera does meanwhile, and its motion model alone bridges it.
+std::optional<RunWarning> time_jumps(const RunResult& run) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < run.filtered.size(); ++i) {
+    intervals.push_back(run.filtered[i].timestamp - run.filtered[i - 1].timestamp);
+  }
+  const double usual = median(intervals);
+  const auto jump = std::ranges::find_if(
+      intervals, [&](double interval) { return interval > kLongestInterval * usual; });
+  if (jump == intervals.end()) return std::nullopt;
+  return RunWarning{run.frames[static_cast<std::size_t>(jump - intervals.begin()) + 1],
+                    fmt::format("no frame for {:.2g} s, {:.0f} times the usual interval: only the "
+                                "motion model bridges it",
+                                *jump, *jump / usual)};
+}
+
 bool disagrees(const RotationSpan& s) { return s.estimate < kExplains * s.five_point; }
 
 // An object that fills the view spoils a few spans of a good run, so a share of them is asked for.
@@ -159,6 +177,7 @@ std::vector<RunWarning> self_check(const RunResult& run, std::span<const Rotatio
   check(kBurst, most_are_rejected_at_once);
   check(kFrames, nothing_is_used);
   check(kFrames, hardly_any_is_static);
+  if (auto warning = time_jumps(run)) warnings.push_back(std::move(*warning));
   if (auto warning = rotation_is_wrong(rotations)) warnings.push_back(std::move(*warning));
   if (auto warning = covariance_warning(run)) warnings.push_back(std::move(*warning));
   std::ranges::stable_sort(warnings, {}, &RunWarning::frame);

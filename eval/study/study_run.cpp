@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "datasets/text/input_error.h"
+#include "eval/configuration/setup.h"
 #include "eval/output/metrics_json.h"
 #include "eval/pooling/frame_statistics.h"
 #include "eval/statistics/bootstrap.h"
@@ -210,6 +212,19 @@ Json timing_json(const RunMetrics& metrics) {
 
 }  // namespace
 
+namespace {
+
+// As it was when the study began: a run of another recording is another run.
+Sequence sequence_of_run(const Study& study, const StudyCell& cell, std::uint64_t seed) {
+  Sequence sequence = study_sequence(cell, seed);
+  if (!cell.sequence.empty() && sequence.sha256 != study.recordings.at(cell.sequence.string())) {
+    throw InputError(cell.sequence, 0, "has changed since the study began");
+  }
+  return selected(std::move(sequence), cell.configuration.frames);
+}
+
+}  // namespace
+
 StudyRun run_study_cell(const Study& study, int cell, int run, DriveOptions options) {
   const StudyCell& c = study.cells[static_cast<std::size_t>(cell)];
   const auto start = std::chrono::steady_clock::now();
@@ -217,9 +232,7 @@ StudyRun run_study_cell(const Study& study, int cell, int run, DriveOptions opti
   made.result = {{"cell", cell}, {"seed", study.seed(run)}};
   made.timing = {{"cell", cell}, {"seed", study.seed(run)}};
   try {
-    const Sequence sequence =
-        select_frames(study_sequence(c, study.seed(run)), c.configuration.frames.first,
-                      c.configuration.frames.last, c.configuration.frames.step);
+    const Sequence sequence = sequence_of_run(study, c, study.seed(run));
     options.landmarks_every_frame = !study.tracks.empty();
     const EvaluatedRun done =
         run_and_evaluate(sequence, c.configuration, c.estimator, options, study.metrics);
@@ -227,6 +240,10 @@ StudyRun run_study_cell(const Study& study, int cell, int run, DriveOptions opti
     made.timing.update(timing_json(done.metrics));
   } catch (const std::bad_alloc&) {
     throw;  // of this machine, not of the estimator
+  } catch (const InputError&) {
+    throw;  // of what it was given
+  } catch (const std::invalid_argument&) {
+    throw;  // of the configuration
   } catch (const std::exception& error) {
     made.result["diverged"] = {{"frame", nullptr}, {"reason", error.what()}};
   }

@@ -19,7 +19,8 @@ struct StudyRun {
 };
 
 // Never throws for what the estimator does: a run that fails is recorded as diverged, with the
-// reason.
+// reason. Throws InputError or std::invalid_argument for a sequence or a configuration with which
+// nothing can run, or a recording that has changed since the study was read.
 StudyRun run_study_cell(const Study& study, int cell, int run, DriveOptions options);
 
 }  // namespace slammot

@@ -15,8 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr char kStudyFile[] = "study.yaml";
-
 Json cell_json(const StudyCell& cell) {
   Configuration configuration = cell.configuration;
   find_estimator(cell.estimator).adjust(configuration);
@@ -54,8 +52,14 @@ JournalRules rules_of(const Study& study, bool mix) {
   return {identity_of(study), static_cast<int>(study.cells.size()), mix};
 }
 
+// The study's file as it stands in its folder; it may have been read from there.
+std::string marked(const std::string& text) {
+  return text.starts_with(kStudyOutput.begins) ? text : std::string(kStudyOutput.begins) + text;
+}
+
 bool is_of(const Study& study, const fs::path& folder) {
-  return fs::exists(folder / kStudyFile) && read_text_file(folder / kStudyFile) == study.text;
+  return is_own(folder, kStudyOutput) &&
+         read_text_file(folder / kStudyOutput.mark) == marked(study.text);
 }
 
 [[noreturn]] void refuse(const fs::path& folder, const char* reason) {
@@ -121,8 +125,7 @@ void merge_runs(const Study& study, const std::vector<fs::path>& folders, const 
 
 void claim_folder(const Study& study, const fs::path& folder, const Shard& shard, bool resume) {
   fs::create_directories(folder);
-  const fs::path mark = folder / kStudyFile;
-  if (fs::exists(mark)) {
+  if (is_own(folder, kStudyOutput)) {
     if (!is_of(study, folder)) refuse(folder, "holds another study (its study.yaml differs)");
     if (!resume && fs::exists(folder / shard.journal())) {
       refuse(folder, "has runs already: --resume goes on with them");
@@ -131,7 +134,7 @@ void claim_folder(const Study& study, const fs::path& folder, const Shard& shard
   }
   if (!is_vacant(folder)) refuse(folder, "holds files that are not a study of this program");
   // Whole at once: another shard that begins now sees all of it or nothing.
-  write_file(mark, study.text);
+  write_file(folder / kStudyOutput.mark, marked(study.text));
 }
 
 }  // namespace slammot

@@ -63,7 +63,7 @@ CameraEstimate kitti_pose(const TextTable& row) {
   for (int i = 0; i < 3; ++i) {
     const auto first = 4 * static_cast<std::size_t>(i);
     R.row(i) = vector_at(row, first).transpose();
-    camera.state.position(i) = row.real(first + 3);
+    camera.state.position(i) = row.bounded(first + 3);
   }
   const bool rotates = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < 1e-2;
   if (!rotates || R.determinant() < 0.0) row.refuse("the 3x3 part is not a rotation");

@@ -4,10 +4,12 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cstdio>
+#include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <stdexcept>
+
+#include "datasets/text/number.h"
 
 namespace slammot {
 namespace {
@@ -62,16 +64,16 @@ void state_sigmas(const Camera& camera, const std::vector<Eigen::Vector3d>& posi
 }  // namespace
 
 Chessboard parse_chessboard(const std::string& text) {
-  Chessboard board;
-  int used = 0;
-  const int read =
-      std::sscanf(text.c_str(), "%dx%d,%lf%n", &board.columns, &board.rows, &board.pitch, &used);
-  if (read != 3 || static_cast<size_t>(used) != text.size() || board.columns < 3 ||
-      board.rows < 3 || !(board.pitch > 0.0) || !std::isfinite(board.pitch)) {
+  const auto [first, rest] = cut_at('x', text);
+  const auto [second, third] = cut_at(',', rest);
+  const auto columns = parse_number<int>(first), rows = parse_number<int>(second);
+  const auto pitch = parse_number<double>(third);
+  if (!columns || !rows || !pitch || *columns < 3 || *rows < 3 || !(*pitch > 0.0) ||
+      !std::isfinite(*pitch)) {
     throw std::invalid_argument(fmt::format(
         "chessboard '{}': expected COLSxROWS,PITCH, as in 9x6,0.04 (inner corners, metres)", text));
   }
-  return board;
+  return {*columns, *rows, *pitch};
 }
 
 std::vector<size_t> outer_corners(const Chessboard& board) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <future>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <set>
 
@@ -164,7 +165,8 @@ void track_all(const Sequence& images, const TrackOptions& options, TrackedImage
 
 TrackedImages track_images(const Sequence& images, const TrackOptions& options) try {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  cv::setNumThreads(options.threads == 0 ? -1 : options.threads);
+  // More than there are cores gain nothing, and a process may have only so many.
+  cv::setNumThreads(options.threads == 0 ? -1 : std::min(options.threads, cv::getNumberOfCPUs()));
   if (!options.skip_bad_frames) refuse_missing(images);
   TrackedImages result;
   result.sequence = without_frames(images);

@@ -38,6 +38,14 @@ TEST(NativeReader, RefusesAMissingFolderAndMissingFiles) {
             std::string::npos);
 }
 
+TEST(NativeReader, RefusesAFileThatFitsNoMemory) {
+  test::TemporaryFolder folder;
+  test::write_good(folder.path());
+  const fs::path file = folder.path() / "observations.csv";
+  fs::resize_file(file, std::uintmax_t{1} << 40);  // of holes
+  EXPECT_EQ(refusal(folder.path()), file.string() + ": cannot be read: larger than 4 GiB");
+}
+
 // What lies just within the limits is read.
 TEST(NativeReader, TakesWhatIsUnusual) {
   test::TemporaryFolder folder;

@@ -10,6 +10,16 @@
 namespace slammot {
 namespace {
 
+TEST(Scenario, CountsHaveALimit) {
+  const ScenarioOverrides one{{"frames", "1"}, {"moving", "0"}};
+  for (const char* name : {"frames", "static", "width", "loop_frames"}) {
+    ScenarioOverrides many = one;
+    many[name] = "100001";
+    if (many["static"].empty()) many["static"] = "0";
+    EXPECT_THROW(simulate("circle", many, 1), std::invalid_argument) << name;
+  }
+}
+
 TEST(Circle, EnoughIsSeenAndMoversAreAsFastAsTheyShould) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const Sequence s = simulate("circle", {}, seed);

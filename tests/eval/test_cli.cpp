@@ -127,6 +127,13 @@ TEST(Cli, UsageErrorsAreOneLineAndNameTheNearest) {
   expect_refused(slammot("study /nowhere --jobs 0"), "--jobs: '0'");
 }
 
+TEST(Cli, ANumberThatNoIntegerHoldsIsNotAnother) {
+  for (const char* shard : {"4294967297/4294967298", "1/4294967298", "3/2", "1/2/3", "1", "/"}) {
+    expect_refused(slammot(std::string("study /nowhere --shard ") + shard), "--shard must be I/N");
+  }
+  expect_refused(slammot("study /nowhere --shard 2/2"), "/nowhere: ");
+}
+
 TEST(Cli, AFolderThatCannotBeWrittenIsRefusedBeforeAnythingIsComputed) {
   expect_refused(slammot("simulate circle --output /proc/x/y"), "/proc/x/y: cannot be written: ");
   expect_refused(slammot("simulate circle --output /dev/null/x"), "cannot be written: ");

@@ -50,6 +50,20 @@ TEST(Configuration, ABadValueIsRefusedWithItsReason) {
   EXPECT_NE(reason_of("pixel_sigma").find("key=value"), std::string::npos);
 }
 
+TEST(Configuration, WhatWouldNotEndIsRefused) {
+  for (const std::string key : {"ekf.lag", "policy.probation"}) {
+    EXPECT_EQ(reason_of(key + "=500"), "");
+    EXPECT_NE(reason_of(key + "=501").find(" to 500"), std::string::npos) << key;
+  }
+  for (const std::string key : {"ekf.iterations", "window.iterations", "labels.window"}) {
+    EXPECT_EQ(reason_of(key + "=1000"), "");
+    EXPECT_EQ(reason_of(key + "=1001"), key + ": '1001' must be from 1 to 1000");
+    EXPECT_EQ(reason_of(key + "=0"), key + ": '0' must be from 1 to 1000");
+  }
+  EXPECT_EQ(reason_of("ekf.lag=0"), "");
+  EXPECT_NE(reason_of("policy.probation=0"), "");
+}
+
 TEST(Configuration, YamlNestedOrDotted) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "c.yaml";

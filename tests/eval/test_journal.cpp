@@ -23,8 +23,10 @@ class JournalTest : public testing::Test {
 
   void append(int cell, int seed, const JournalIdentity& identity = kMine,
               const char* name = "journal-1-of-1.jsonl") const {
-    const Json run = {{"cell", cell}, {"seed", seed}};
-    Journal(path(), name, identity).append(run, run);
+    const Json timing = {{"cell", cell}, {"seed", seed}};
+    Json result = timing;
+    result["diverged"] = nullptr;
+    Journal(path(), name, identity).append(result, timing);
   }
   Places places(const JournalRules& rules = {kMine, 2, false}) const {
     Places found;
@@ -85,12 +87,16 @@ TEST_F(JournalTest, NamesFileAndLineOfWhatIsNoRun) {
         R"({"result": {"cell": 4294967296, "seed": 1}, "timing": {"cell": 4294967296, "seed": 1}})",
         R"({"result": {"cell": 0, "seed": 1}, "timing": {"cell": 1, "seed": 1}})",
         R"({"result": {"cell": "0", "seed": 1}, "timing": {"cell": "0", "seed": 1}})",
+        R"({"result": {"cell": 0, "seed": 1}, "timing": {"cell": 0, "seed": 1}})",
+        R"({"result": {"cell": 0, "seed": 1, "diverged": 3}, "timing": {"cell": 0, "seed": 1}})",
         R"({"journal": {"version": "1"}})", R"({"journal": 1})", "{\"result\": \"\xff\"}"}) {
     test::write_text(file(), head + "\n" + line + "\n");
     EXPECT_NE(refusal().find("journal-1-of-1.jsonl:2: "), std::string::npos) << line;
   }
-  test::write_text(file(), R"({"result": {"cell": 0, "seed": 1}, "timing": {"cell": 0, "seed": 1}})"
-                           "\n");
+  test::write_text(
+      file(),
+      R"({"result": {"cell": 0, "seed": 1, "diverged": null}, "timing": {"cell": 0, "seed": 1}})"
+      "\n");
   EXPECT_NE(refusal().find("do not say what program"), std::string::npos);
   EXPECT_EQ(places({kMine, 2, true}).size(), 1u);
 }
@@ -121,7 +127,7 @@ TEST_F(JournalTest, ALineThatDoesNotFitLeavesNothing) {
   {
     Journal journal(path(), "journal-1-of-1.jsonl", kMine);
     ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
-    const Json run = {{"cell", 1}, {"seed", 1}};
+    const Json run = {{"cell", 1}, {"seed", 1}, {"diverged", nullptr}};
     EXPECT_THROW(journal.append(run, run), std::runtime_error);
     ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
     journal.append(run, run);

@@ -255,6 +255,7 @@ class Judge(unittest.TestCase):
                 "a column less in a row": (rows[:head + 7] + [separator.join(cells[:-1])] + rows[head + 8:], at + "expected"),
                 "a word": (rows[:head + 7] + [separator.join([*cells[:2], "x1", *cells[3:]])] + rows[head + 8:], at),
                 "no rotation": (rows[:head + 7] + [separator.join([cells[0], *["9"] * (len(cells) - 1)])] + rows[head + 8:], at),
+                "far": (rows[:head + 7] + [separator.join([*cells[:3], "1e300", *cells[4:]])] + rows[head + 8:], at + "'1e300' is not plausible"),
                 "empty": (rows[:head], r"bad\.txt: holds no pose"),
             }
             if name == "kitti":
@@ -364,6 +365,37 @@ class Judge(unittest.TestCase):
         error = slammot("evaluate", run).stderr
         self.assertIn("from frame 18: covariances of the pose that are not positive definite: 1 of 20", error)
         self.assertIn(f"21 of {FRAMES} frames have a pose", error)
+
+    def edited(self, name):
+        """A run of this program whose folder has this name, and a function that changes its metrics.json."""
+        made, run = self.here / "made", self.here / name
+        slammot("run", self.sequence, "--estimator", "ekf", "--set", "frames.last=20", "--output", made)
+        made.rename(run)
+        good = json.loads((run / "metrics.json").read_text())
+        return run, lambda change: (run / "metrics.json").write_text(json.dumps(good | change(good)))
+
+    def test_text_of_a_folder_moves_no_cursor_and_forges_no_line(self):
+        run, edit = self.edited("ev\x1b[31m\x07")
+        edit(lambda good: {"divergence": {"frame": 3, "reason": "gone\x07"}, "warnings": [
+            {"frame": 3, "reason": "x\nslammot: all is well \x1b[32m"}]})
+        text, forged = re.subn(r"(?m)^( +sha256: ).*$", r'\1"\\e[31m"', (run / "run.yaml").read_text())
+        self.assertEqual(forged, 1)
+        (run / "run.yaml").write_text(text)
+        done = slammot("evaluate", run, "--force-sequence")
+        self.assertIn(r"made from a sequence with SHA-256 \x1b[31m", done.stderr)
+        self.assertIn(r"slammot: warning: ev\x1b[31m\x07, from frame 3: x\x0aslammot: all is well \x1b[32m" + "\n", done.stderr)
+        self.assertNotRegex(done.stdout + done.stderr, r"[\x00-\x09\x0b-\x1f\x7f]")
+
+    def test_numbers_of_a_folder_that_cannot_be_are_refused(self):
+        run, edit = self.edited("run")
+        for change in (lambda good: {"warnings": [{"frame": 1e300, "reason": "x"}]},
+                       lambda good: {"warnings": [{"frame": -1, "reason": "x"}]},
+                       lambda good: {"nis": good["nis"] | {"mean": 1e308}},
+                       lambda good: {"nis": good["nis"] | {"joint_mean": -1e308}},
+                       lambda good: {"runtime": good["runtime"] | {"smoothing_ms": 1e300}},
+                       lambda good: {"coverage": good["coverage"] | {"accepted": 2**31 - 1, "rejected": 2**31 - 1}}):
+            edit(change)
+            self.assert_refused(run, r"metrics\.json: .*not (plausible|a count)")
 
     def test_no_run_that_is_read_is_written_over(self):
         runs = self.draw("mine", 3)

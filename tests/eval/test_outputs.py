@@ -117,7 +117,7 @@ class Outputs(unittest.TestCase):
         report = compared / "report.html"
         self.slammot("report", compared)
         report.write_text("mine", encoding="utf-8")
-        self.slammot("report", compared, code=1)
+        self.assertIn("not replaced", self.slammot("report", compared, code=2))
         self.assertEqual(report.read_text(encoding="utf-8"), "mine")
 
     def test_default_folders_are_replaced(self):
@@ -151,11 +151,28 @@ class Outputs(unittest.TestCase):
         self.refused("compare", self.sequence, "--estimator", "ekf", "--output", "out", reason="holds a comparison already", kept=self.folder / "out")
 
     def test_a_comparison_under_way_is_left_alone(self):
-        self.slammot("compare", "--set", "frames.first=9000", "--output", "out", code=2)
-        with open(self.folder / "out" / "compare.json", encoding="utf-8") as mark:
-            fcntl.flock(mark, fcntl.LOCK_EX)
-            self.refused("compare", self.simulated(), "--estimator", "ekf", "--output", "out",
+        """Also when it has finished a run."""
+        self.slammot("compare", "--scenario-set", "frames=8", "--estimator", "ekf", "--output", "out")
+        with open(self.folder / "out" / ".slammot-lock", encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.refused("compare", self.simulated(), "--estimator", "ekf", "--output", "out", "--force",
                          reason="another process is at work on it", kept=self.folder / "out")
+        process = subprocess.Popen([SLAMMOT, "compare", "--scenario-set", "frames=60", "--landmark", "scaled_velocity", "--output", "long"],
+                                   cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        mark = self.folder / "long" / "compare.json"
+        while not (mark.exists() and '"label"' in mark.read_text(encoding="utf-8")):
+            self.assertIsNone(process.poll())
+        self.slammot("compare", "--scenario-set", "frames=12", "--estimator", "ekf", "--output", "long", "--force", code=2)
+        self.assertEqual(process.wait(), 0)
+
+    def test_a_users_file_in_a_sequence_stays(self):
+        """Whatever its name, --force or not."""
+        sequence = self.folder / "mine"
+        self.slammot("simulate", "circle", "--set", "frames=8", "--set", "known=0", "--output", "mine")
+        (sequence / "known.csv").write_text("track,x,y,z,sigma\n1,0,0,5,0.1\n", encoding="utf-8")
+        for known in ("0", "4"):
+            self.refused("simulate", "circle", "--set", f"known={known}", "--output", "mine", "--force",
+                         reason="known.csv: was not written by this program", kept=sequence)
 
     def test_metrics_are_written_over_nothing(self):
         sequence, run, file = self.simulated(), self.folder / "run", self.folder / "metrics.json"
@@ -243,6 +260,42 @@ class Outputs(unittest.TestCase):
         page = (self.folder / "out/report.html").read_text(encoding="utf-8")
         self.assertNotIn("most accurate", page)
         self.assertIn("no run used any measurement", page)
+
+    def test_a_page_of_what_slammot_did_not_write_is_refused_in_one_line(self):
+        for name, text in (("compare.json", '{"format": "slammot-compare-1", "runs": 5}'), ("summary.json", '{"format": "slammot-summary-2", "figures": 3}')):
+            folder = self.users_folder(f"{name}.d/results.jsonl") / f"{name}.d"
+            (folder / name).write_text(text, encoding="utf-8")
+            self.refused("report", folder, reason=f"{name}: ", kept=folder)
+        (folder / "compare.json").symlink_to("/dev/zero")
+        self.refused("report", folder, reason="compare.json: not a regular file", kept=folder)
+
+    def test_figures_and_tables_are_written_aside(self):
+        study, output, before = self.folder / "tiny.yaml", self.folder / "output", self.folder / "before"
+        study.write_text(STUDY + 'figures: [anees]\nlatex: {columns: [position_rmse_m]}\n', encoding="utf-8")
+        self.slammot("study", study, "--output", output)
+        before.mkdir()
+        files = [*(output / "tables").iterdir(), *(output / "figures").iterdir()]
+        self.assertLessEqual({"paper.tex", "anees.pdf", "anees.png"}, {file.name for file in files})
+        for file in files:
+            os.link(file, before / file.name)  # the same file: it would change with it
+            file.write_text("before", encoding="utf-8")
+        self.slammot("report", output)
+        for file in files:
+            self.assertEqual((before / file.name).read_text(encoding="utf-8"), "before")
+            self.assertNotEqual(file.read_bytes(), b"before")
+
+    def test_what_is_said_and_lost_is_an_error(self):
+        sequence, run = self.simulated(), self.folder / "run"
+        self.slammot("run", sequence, "--estimator", "ekf", "--output", run)
+        for command in (["evaluate", run], ["run", sequence, "--estimator", "ekf", "--output", run, "--force"], ["list", "scenarios"], ["--version"]):
+            with open("/dev/full", "w", encoding="utf-8") as full:
+                done = subprocess.run([SLAMMOT, *command], stdout=full, stderr=subprocess.PIPE, text=True, check=False, timeout=120)
+            self.assertEqual(done.returncode, 1, command)
+            self.assertTrue(done.stderr.endswith("slammot: standard output: cannot be written\n"), done.stderr)
+
+    def test_more_threads_than_there_are_cores(self):
+        self.slammot("simulate", "--render", "--set", "frames=3", "--set", "width=160", "--output", "room")
+        self.slammot("track", "room", "--threads", "100000", "--output", "tracked")
 
 
 if __name__ == "__main__":

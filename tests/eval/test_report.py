@@ -11,6 +11,7 @@ import html.parser
 import io
 import json
 import math
+import os
 import pathlib
 import random
 import re
@@ -25,6 +26,7 @@ REPORT = ROOT / "eval" / "report"
 sys.path.insert(0, str(REPORT))
 import compare_report  # noqa: E402
 import page  # noqa: E402
+import study_figures  # noqa: E402
 
 page.packed = functools.cache(page.packed)  # Plotly is the same on every page
 CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic",
@@ -251,7 +253,7 @@ def generate(output):
     """As the program `compare_report.py OUTPUT`, in this process: the exit code, and what it says."""
     said = io.StringIO()
     with mock.patch.object(sys, "argv", ["compare_report", str(output)]), contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
-        return page.run_report("compare_report", compare_report.page), said.getvalue()
+        return page.run_report("compare_report", compare_report.page, "compare.json"), said.getvalue()
 
 
 def browse(page, *arguments):
@@ -509,6 +511,41 @@ class Report(unittest.TestCase):
                 code, said = generate(self.output)
                 self.assertEqual(code, 2)
                 self.assertRegex(said, r"\Acompare_report: .*compare\.json: .*\n\Z")
+
+    def assert_not_as_written(self, code, said):
+        self.assertEqual(code, 2)
+        self.assertRegex(said, r"\Acompare_report: [ -~]*compare\.json: [ -~]*\n\Z")
+
+    def test_a_shape_that_no_comparison_has_is_refused_in_one_line(self):
+        path = self.output / "compare.json"
+        for change in ({"runs": 5}, {"sequence": []}, {"metrics": "x"}, {"truth": [1]}, {"runs": [{"label": "a\n\x1b[31m"}]}):
+            with self.subTest(change=change):
+                path.write_text(json.dumps(self.comparison | change))
+                self.assert_not_as_written(*generate(self.output))
+        path.write_text("[" * 100000)
+        self.assert_not_as_written(*generate(self.output))
+        path.write_text('{"format": "slammot-compare-1", "a\n\x1b[31m')
+        self.assert_not_as_written(*generate(self.output))
+
+    def test_a_pipe_is_no_comparison_and_no_page(self):
+        os.mkfifo(self.output / "compare.json")
+        self.assert_not_as_written(*generate(self.output))
+        os.mkfifo(self.output / "report.html")
+        code, said = generate(self.output)
+        self.assertEqual(code, 2)
+        self.assertIn("report.html: was not written by slammot", said)
+
+    def test_a_figure_is_there_whole_or_not_at_all(self):
+        file = self.output / "anees.png"
+        file.write_text("before")
+
+        def full(unfinished, **_):
+            unfinished.write_text("hal")
+            raise OSError(28, "No space left on device")
+
+        with self.assertRaisesRegex(page.NotMade, "anees.png: cannot be written: No space left on device"):
+            study_figures.save(mock.Mock(savefig=full), file)
+        self.assertEqual([(path.name, path.read_text()) for path in self.output.iterdir()], [("anees.png", "before")])
 
 
 def keep(folder):

@@ -70,6 +70,20 @@ TEST(SelfCheck, WhatIsNotStatedIsNoReason) {
   EXPECT_TRUE(self_check(run_of({.joint_nis = kUndefined}, 0)).empty());
 }
 
+TEST(SelfCheck, AGapInTime) {
+  RunResult run = run_of(kGood, 0);
+  double time = 0.0;
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    time += i == 20 ? 0.3 : i == 40 ? 5.0 : 0.1;  // a few frames lost are none
+    run.filtered.emplace_back().timestamp = time;
+    run.filtered.back().covariance.setConstant(kUndefined);
+  }
+  const std::vector<RunWarning> warnings = self_check(run);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings.front().frame, 40);
+  EXPECT_THAT(warnings.front().reason, HasSubstr("no frame for 5 s"));
+}
+
 TEST(SelfCheck, NothingUsed) {
   EXPECT_THAT(only_reason(run_of(FrameCounts{}, 25)), HasSubstr("no measurement was used"));
 }

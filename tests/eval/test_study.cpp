@@ -5,9 +5,13 @@
 #include <fstream>
 #include <random>
 
+#include "datasets/native/native_writer.h"
+#include "datasets/simulation/scenario.h"
+#include "datasets/text/input_error.h"
 #include "eval/statistics/bootstrap.h"
 #include "eval/statistics/statistics.h"
 #include "eval/study/study_driver.h"
+#include "eval/study/study_run.h"
 #include "eval/study/summary/study_summary.h"
 #include "tests/paths.h"
 #include "tests/temporary_folder.h"
@@ -74,6 +78,23 @@ estimators: [{estimator: ekf}]
   EXPECT_GE(within, 3 * 7 - 2);
   EXPECT_EQ(runs_done, 3);
   EXPECT_NEAR(done, 3.0, 1e-9);
+}
+
+TEST(Study, ARecordingThatChangesMeanwhileIsNotMixed) {
+  const test::TemporaryFolder folder;
+  write_native(simulate("circle", {{"frames", "8"}}, 1), folder.path() / "recorded");
+  test::write_text(folder.path() / "s.yaml", R"(format: slammot-study-1
+name: s
+runs: 1
+scenarios: [{sequence: recorded}]
+estimators: [{estimator: ekf}]
+)");
+  const Study study = read_study(folder.path() / "s.yaml");
+  EXPECT_TRUE(run_study_cell(study, 0, 0, {}).result.at("diverged").is_null());
+  test::write_text(folder.path() / "recorded" / "known.csv", "track,x,y,z,sigma\n");
+  EXPECT_THROW(run_study_cell(study, 0, 0, {}), InputError);
+  std::filesystem::remove_all(folder.path() / "recorded");
+  EXPECT_THROW(run_study_cell(study, 0, 0, {}), InputError);
 }
 
 class Summary : public testing::Test {

@@ -169,6 +169,54 @@ class Strangers(WithStudy):
         self.assertEqual(journal.read_bytes().count(b"\n"), 1 + 32)
         self.same(folder)
 
+    def test_processes_that_begin_at_once(self):
+        """In a folder that is not there: each makes it, or finds it made."""
+        for attempt in range(3):
+            folder = self.folder / f"at_once_{attempt}" / "new"
+            shards = [subprocess.Popen([SLAMMOT, "study", str(self.study), "--runs", "1", "--resume", "--shard", f"{i}/6", "--output", str(folder)],
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) for i in range(1, 7)]
+            for shard in shards:
+                self.assertEqual((shard.communicate()[1], shard.returncode), ("", 0))
+
+    def test_a_users_folder_is_left_alone(self):
+        """Also where the study itself stands in it."""
+        folder = self.folder / "users"
+        folder.mkdir()
+        study = folder / "study.yaml"
+        study.write_text(STUDY, encoding="utf-8")
+        for name in ("results.jsonl", "runs.csv", "report.html"):
+            (folder / name).write_text("mine", encoding="utf-8")
+        before = {file.name: file.read_bytes() for file in folder.iterdir()}
+        for more in ([], ["--resume"], ["--merge"], ["--force"]):
+            said = slammot("study", study, "--output", folder, *more, code=2).stderr
+            self.assertIn("holds files that are not a study of this program", said)
+            self.assertEqual({file.name: file.read_bytes() for file in folder.iterdir()}, before)
+
+    def test_lines_that_are_no_runs_are_refused(self):
+        folder = self.folder / "damaged"
+        slammot("study", self.study, "--runs", 1, "--output", folder)
+        journal = folder / "journal-1-of-1.jsonl"
+        lines = journal.read_text(encoding="utf-8").splitlines(keepends=True)
+        run = json.loads(lines[1])
+        bad = [{**run, "result": {"cell": 0, "seed": 1}}, {**run, "result": {**run["result"], "diverged": 3}},
+               {**run, "result": {**run["result"], "static": [1]}}, {**run, "result": {**run["result"], "lost_at": []}, "timing": {"cell": 0, "seed": 1}}]
+        deep = lines[1].rstrip()[:-1] + ',"x":' + 300_000 * "[" + 300_000 * "]" + "}\n"
+        for line in [json.dumps(content) + "\n" for content in bad] + [deep]:
+            journal.write_text("".join([lines[0], line, *lines[2:]]), encoding="utf-8")
+            said = slammot("study", self.study, "--runs", 1, "--merge", "--output", folder, code=2).stderr
+            self.assertEqual(said.count("\n"), 1, said[:300])
+            self.assertRegex(said, r"(journal-1-of-1|results|timing)\.jsonl:\d+: ")
+
+    def test_what_cannot_run_is_charged_to_nobody(self):
+        impossible = self.folder / "impossible.yaml"
+        for setting, reason in (("policy.probation: 9", "must not exceed window.frames"), ("frames.first: 100", "leave no frame of")):
+            impossible.write_text(STUDY.replace("set: {window.frames: 3}", f"set: {{window.frames: 3, {setting}}}"), encoding="utf-8")
+            folder = self.folder / setting.split(":")[0]
+            said = slammot("study", impossible, "--runs", 1, "--output", folder, code=2).stderr
+            self.assertEqual(said.count("\n"), 1, said)
+            self.assertIn(reason, said)
+            self.assertNotIn('"diverged":{', (folder / "journal-1-of-1.jsonl").read_text(encoding="utf-8"))
+
     def test_runs_of_another_configuration_are_refused(self):
         mine, other, text = self.folder / "mine", self.folder / "other", self.folder / "of_other.yaml"
         text.write_text(STUDY.replace("frames: 24", "frames: 39"), encoding="utf-8")

@@ -174,7 +174,9 @@ TEST(Chessboard, GivesTheCameraInTheBoardsFrame) {
             4.0 * view->camera.rotation_sigma);
   EXPECT_FALSE(find_chessboard(textured({640, 480}, {}), camera, board));
   EXPECT_THROW(parse_chessboard("6x5"), std::invalid_argument);
-  EXPECT_THROW(parse_chessboard("6x5,0.05m"), std::invalid_argument);
+  for (const char* wrong : {"6x5,0.05m", "4294967302x4294967301,0.05", "6x5,inf", "6,0.05", ""}) {
+    EXPECT_THROW(parse_chessboard(wrong), std::invalid_argument) << wrong;
+  }
 }
 
 }  // namespace

@@ -1,11 +1,20 @@
-// The readers of configurations, studies, journals and runs.
+// The readers of configurations, studies, journals, runs, and trajectories of other programs.
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <cmath>
+#include <fstream>
 #include <stdexcept>
 
+#include "datasets/output/output_folder.h"
 #include "eval/configuration/configuration.h"
 #include "eval/journal/journal.h"
 #include "eval/output/run_reader.h"
-#include "eval/study/study.h"
+#include "eval/study/study_run.h"
+#include "eval/study/study_store.h"
+#include "eval/study/summary/study_summary.h"
+#include "eval/study/table/runs_table.h"
+#include "eval/trajectory/trajectory_file.h"
 #include "tests/fuzz/target.h"
 
 namespace slammot::fuzz {
@@ -25,16 +34,35 @@ void read_journal(const Path& folder) {
   add_journals(folder, {{"0.1.0", "p", "c"}, 4, false}, places);
 }
 
+// What a study's page is made of: the runs merged, their table, their summary.
+void read_study_results(const Path& folder) {
+  const Study study = parse_study(folder / "study.yaml");
+  merge_runs(study, {folder}, folder, true);
+  write_runs_table(study, folder);
+  summarise_study(study, folder, {});
+}
+
+void require_poses(const std::vector<CameraEstimate>& cameras) {
+  for (const CameraEstimate& camera : cameras) {
+    if (!camera.state.position.allFinite() || !camera.state.orientation.coeffs().allFinite() ||
+        !std::isfinite(camera.timestamp)) {
+      throw std::logic_error("a pose");
+    }
+  }
+}
+
+void read_foreign_trajectory(const Path& folder) {
+  std::vector<Frame> frames(2);
+  frames[1].timestamp = 0.1;
+  require_poses(read_trajectory(folder / "trajectory.txt", frames));
+}
+
 void read_run_folder(const Path& folder) {
   const StoredRun stored = read_run(folder);
   if (!(stored.gate_probability > 0.0 && stored.gate_probability <= 1.0)) {
     throw std::logic_error("the gate's probability");
   }
-  for (const CameraEstimate& camera : stored.run.filtered) {
-    if (!camera.state.position.allFinite() || !std::isfinite(camera.timestamp)) {
-      throw std::logic_error("a pose");
-    }
-  }
+  require_poses(stored.run.filtered);
 }
 
 Files configuration() {
@@ -57,8 +85,47 @@ Files study() {
 Files journal() {
   return {{"journal-1-of-1.jsonl",
            "{\"journal\":{\"format\":\"slammot-journal-1\",\"version\":\"0.1.0\",\"program\":"
-           "\"p\",\"configuration\":\"c\"}}\n{\"result\":{\"cell\":0,\"seed\":1},\"timing\":"
-           "{\"cell\":0,\"seed\":1}}\n"}};
+           "\"p\",\"configuration\":\"c\"}}\n{\"result\":{\"cell\":0,\"seed\":1,\"diverged\":null},"
+           "\"timing\":{\"cell\":0,\"seed\":1}}\n"}};
+}
+
+// A study of one run, which is made here.
+Files study_results() {
+  static const Files files = [] {
+    const Path folder = std::filesystem::temp_directory_path();
+    const Path file = folder / fmt::format("slammot-fuzz-{}.yaml", ::getpid());
+    const std::string text = std::string(kStudyOutput.begins) +
+                             "format: slammot-study-1\nname: small\nruns: 1\n"
+                             "scenarios:\n  - {scenario: circle, set: {frames: 4}}\n"
+                             "estimators: [{estimator: ekf}]\n";
+    std::ofstream(file) << text;
+    const Study study = parse_study(file);
+    std::filesystem::remove(file);
+    const StudyRun run = run_study_cell(study, 0, 0, {});
+    const nlohmann::ordered_json head = {
+        {"journal",
+         {{"version", ""}, {"program", ""}, {"configuration", identity_of(study).configuration}}}};
+    const nlohmann::ordered_json line = {{"result", run.result}, {"timing", run.timing}};
+    return Files{{"study.yaml", text},
+                 {"journal-1-of-1.jsonl", head.dump() + '\n' + line.dump() + '\n'}};
+  }();
+  return files;
+}
+
+Files kitti_trajectory() {
+  return {{"trajectory.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0.5 0 1 0 0 0 0 1 2\n"}};
+}
+
+Files euroc_trajectory() {
+  return {{"trajectory.txt",
+           "#timestamp, p_RS_R_x [m]\n0,0,0,0,1,0,0,0\n100000000,1,0,0,0.8,0,0,0.6\n"}};
+}
+
+Files ov_eval_trajectory() {
+  return {
+      {"trajectory.txt",
+       "# timestamp(s) tx ty tz qx qy qz qw Pr11 Pr12 Pr13 Pr22 Pr23 Pr33 Pt11 ..\n"
+       "0 0 0 0 0 0 0 1 1 0 0 1 0 1 1 0 0 1 0 1\n0.1 1 0 0 0 0 0.6 0.8 1 0 0 1 0 1 1 0 0 1 0 1\n"}};
 }
 
 std::string zeros(int count) {
@@ -90,6 +157,10 @@ constexpr Target kTargets[] = {
     {"configuration", configuration, "configuration.yaml", read_configuration},
     {"study", study, "study.yaml", read_study_file},
     {"journal", journal, "journal-1-of-1.jsonl", read_journal},
+    {"study_results", study_results, "journal-1-of-1.jsonl", read_study_results},
+    {"kitti_trajectory", kitti_trajectory, "trajectory.txt", read_foreign_trajectory},
+    {"euroc_trajectory", euroc_trajectory, "trajectory.txt", read_foreign_trajectory},
+    {"ov_eval_trajectory", ov_eval_trajectory, "trajectory.txt", read_foreign_trajectory},
     {"run_description", run, "run.yaml", read_run_folder},
     {"run_trajectory", run, "trajectory.tum", read_run_folder},
     {"run_covariances", run, "pose_covariance.csv", read_run_folder},

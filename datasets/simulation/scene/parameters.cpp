@@ -13,6 +13,8 @@
 namespace slammot {
 namespace {
 
+constexpr int kMostCounted = 100000;  // frames, points or pixels along a side; ends in minutes
+
 template <typename T>
 T parse(const Parameter& parameter, const std::string& text) {
   const std::optional<T> number = parse_number<T>(text);
@@ -28,6 +30,10 @@ T parse(const Parameter& parameter, const std::string& text) {
         open ? fmt::format("{}: must be greater than 0, not {}", parameter.name, text)
              : fmt::format("{}: must be at least {}, not {}", parameter.name, parameter.lowest,
                            text));
+  }
+  if (std::is_integral_v<T> && value > static_cast<T>(kMostCounted)) {
+    throw std::invalid_argument(
+        fmt::format("{}: must be at most {}, not {}", parameter.name, kMostCounted, text));
   }
   return value;
 }

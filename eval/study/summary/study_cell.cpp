@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "eval/configuration/registry.h"
+#include "eval/output/metrics_json.h"
 #include "eval/pooling/estimate_json.h"
 #include "eval/statistics/statistics.h"
 
@@ -48,7 +49,7 @@ void CellSummary::add(const Json& run) {
   ages_.add(run.at("landmarks"));
   tracks_.add(run.at("tracks"));
   for (const char* what : kCounts) {
-    for (std::size_t i = 0; i < 3; ++i) counts_[what][i] += run.at(what)[i].get<long>();
+    for (std::size_t i = 0; i < 3; ++i) counts_[what][i] += count_of(run.at(what).at(i));
   }
   for (const auto& [key, value] : run.at("coverage").items()) coverage_[key] += number(value);
   add_values(Scope::kRun, run, "");
@@ -72,7 +73,7 @@ void CellSummary::add_frames(std::uint64_t seed, const Json& frames) {
   for (double& x : nees) x = finite_or_infinite(x);
   pose_nees_[seed] = mean(nees);
   const RunNees of_run = run_nees(nees, kPoseDof);
-  run_nees_[seed] = {of_run, of_run.began ? frames.at("frame")[*of_run.began] : Json()};
+  run_nees_[seed] = {of_run, of_run.began ? frames.at("frame").at(*of_run.began) : Json()};
 }
 
 // One that is not defined (no landmark was ever decided) is no sample. Nor are poses at a lag of a

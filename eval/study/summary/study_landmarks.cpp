@@ -1,5 +1,6 @@
 #include "eval/study/summary/study_landmarks.h"
 
+#include "eval/output/metrics_json.h"
 #include "eval/pooling/estimate_json.h"
 #include "eval/statistics/statistics.h"
 
@@ -30,7 +31,7 @@ Json nees_json(const std::vector<RunSum>& runs) {
 
 void LandmarkAges::add(const Json& landmarks) {
   for (const Json& a : landmarks) {
-    Age& age = ages_[a.at("observations").get<int>()];
+    Age& age = ages_[count_of(a.at("observations"))];
     append(a.at("static_position_m"), age.statics);
     append(a.at("moving_position_m"), age.movings);
     append(a.at("moving_velocity_m_s"), age.velocities);
@@ -54,14 +55,14 @@ Json LandmarkAges::json() const {
 
 void RecordedTracks::add(const Json& tracks) {
   for (const Json& t : tracks) {
-    auto& moments = tracks_[t.at("track").get<int>()];
+    auto& moments = tracks_[count_of(t.at("track"))];
     for (std::size_t i = 0; i < t.at("frame").size(); ++i) {
-      Moment& moment = moments[t["frame"][i].get<int>()];
-      const Json& truth = t.at("truth")[i];
+      Moment& moment = moments[count_of(t["frame"].at(i))];
+      const Json& truth = t.at("truth").at(i);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        moment.velocity[axis].push_back(number(t.at("velocity")[i][axis]));
-        moment.sigma[axis].push_back(number(t.at("sigma")[i][axis]));
-        moment.truth[axis].push_back(truth.is_null() ? kUndefined : number(truth[axis]));
+        moment.velocity[axis].push_back(number(t.at("velocity").at(i).at(axis)));
+        moment.sigma[axis].push_back(number(t.at("sigma").at(i).at(axis)));
+        moment.truth[axis].push_back(truth.is_null() ? kUndefined : number(truth.at(axis)));
       }
     }
   }

@@ -152,7 +152,11 @@ void write_rows(const Study& study, const std::filesystem::path& folder, std::os
     const Json times = parsed(timing_file, n, timing_line);
     const Run run{cell_of(study, result, results_file, n), result, times};
     fields.clear();
-    for (const Column& column : columns) fields.push_back(column.field(run));
+    try {
+      for (const Column& column : columns) fields.push_back(column.field(run));
+    } catch (const Json::exception&) {
+      throw InputError(results_file, n, "is not the line of a finished run");
+    }
     out << fmt::format("{}\n", fmt::join(fields, ","));
   }
 }
