@@ -12,6 +12,7 @@
 #include "apps/support/sequence_source.h"
 #include "apps/support/usage.h"
 #include "apps/support/writable.h"
+#include "datasets/native/native_writer.h"
 #include "datasets/output/file_lock.h"
 #include "datasets/output/output_files.h"
 #include "datasets/output/output_folder.h"
@@ -105,7 +106,10 @@ std::unique_ptr<FileLock> claim(const CompareArguments& arguments,
   const std::string begun = std::string(kComparisonOutput.begins) + ",\n \"runs\": []\n}\n";
   const bool unfinished = std::filesystem::exists(mark) && read_text_file(mark) == begun;
   require_output(output, kComparisonOutput, replace || unfinished, input);
-  if (input.empty()) require_output(output / kSequence, kSequenceOutput, replace || unfinished);
+  if (input.empty()) {
+    require_output(output / kSequence, kSequenceOutput, replace || unfinished);
+    require_own_files(output / kSequence);
+  }
   for (const ComparedRun& run : runs) {
     require_output(output / run.label, kRunOutput, replace, input);
     if (!arguments.pictures) continue;
@@ -121,14 +125,11 @@ int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path
   say_what_is_wrong(results);
   const bool diverged = std::any_of(results.begin(), results.end(),
                                     [](const auto& r) { return r.metrics.diverged.has_value(); });
-  const std::optional<std::filesystem::path> report = write_compare_report(output);
-  if (!report) {
-    fmt::print(stderr,
-               "slammot: no report: the generator is missing or failed; the runs are in {}\n",
-               output.string());
+  if (make_compare_page(output) != 0) {
+    fmt::print(stderr, "slammot: no report; the runs are in {}\n", output.string());
     return 1;
   }
-  fmt::print("{}\n", report->string());
+  fmt::print("{}\n", page_of(output).string());
   return diverged ? 1 : 0;
 }
 

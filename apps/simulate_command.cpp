@@ -7,6 +7,7 @@
 #include "apps/support/sequence_source.h"
 #include "apps/support/usage.h"
 #include "apps/support/writable.h"
+#include "datasets/native/native_writer.h"
 #include "datasets/output/output_folder.h"
 #include "datasets/simulation/scenario.h"
 #include "datasets/simulation/scene/parameters.h"
@@ -58,6 +59,7 @@ void render_images(const SimulateArguments& arguments) {
 
 void execute(const SimulateArguments& arguments) {
   require_output(arguments.output, kSequenceOutput, arguments.force);
+  require_own_files(arguments.output);
   require_writable_folder(arguments.output);
   if (arguments.render) return render_images(arguments);
   if (arguments.scenario.scenario.empty()) throw std::invalid_argument("which SCENARIO?");

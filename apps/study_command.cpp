@@ -49,14 +49,11 @@ int finish(const Study& study, const std::filesystem::path& output,
   write_file(output / "summary.json",
              summarise_study(study, output, provenance(jobs)).dump(1) + '\n');
   write_file(output / "view.json", study_view(study).dump() + '\n');
-  const auto report = write_study_report(output);
-  if (!report) {
-    fmt::print(stderr,
-               "slammot: no report: the generator is missing or failed; the results are in {}\n",
-               output.string());
+  if (make_study_page(output) != 0) {
+    fmt::print(stderr, "slammot: no report; the results are in {}\n", output.string());
     return 1;
   }
-  fmt::print("{}\n", report->string());
+  fmt::print("{}\n", page_of(output).string());
   return 0;
 }
 

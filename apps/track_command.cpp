@@ -129,6 +129,7 @@ int execute(TrackArguments arguments) {
   }
   Sequence images = read_images(arguments.images);
   require_output(arguments.output, kSequenceOutput, arguments.force, arguments.images);
+  require_own_files(arguments.output);
   require_writable_folder(arguments.output);
   if (!arguments.camera.empty()) {
     images.camera = read_camera_file(arguments.camera, read_text_file(arguments.camera));

@@ -46,6 +46,8 @@ class FirstFrame {
   void begin(const Frame& frame);
   // After it. True when labels have changed, and frames() are to be processed again.
   bool revise(const TrackRecords& records);
+  // The labels stand from now on, and are reverted as later ones are.
+  void close() { is_open_ = false; }
   // All frames so far; empty once the labels stand.
   std::span<const Frame> frames() const { return frames_; }
 

@@ -1,7 +1,5 @@
 #include "apps/support/sequence_source.h"
 
-#include <stdexcept>
-
 #include "datasets/native/native_writer.h"
 #include "datasets/readers/reader.h"
 

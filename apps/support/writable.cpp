@@ -7,6 +7,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "datasets/output/output_folder.h"
+
 namespace slammot {
 namespace {
 
@@ -21,7 +23,7 @@ namespace fs = std::filesystem;
 int probe(const fs::path& folder) {
   fs::path there = fs::absolute(folder).lexically_normal();
   while (there.has_relative_path() && !fs::exists(there)) there = there.parent_path();
-  std::string name = (there / ".slammot-XXXXXX").string();
+  std::string name = (there / (std::string(kHidden) + "XXXXXX")).string();
   return ::mkdtemp(name.data()) != nullptr && ::rmdir(name.c_str()) == 0 ? 0 : errno;
 }
 

@@ -154,20 +154,6 @@ Texts texts_of(const Sequence& s, NativeParts parts) {
   return texts;
 }
 
-// A file of a sequence that somebody put there is neither replaced nor removed: what this program
-// wrote there stands in the first line of sequence.yaml.
-void require_own(const std::filesystem::path& folder) {
-  std::string head;
-  std::getline(std::ifstream(folder / native::kSettings), head);
-  for (const auto name : native::kFileNames) {
-    if (!std::filesystem::exists(folder / name)) continue;
-    if ((head + ' ').find(fmt::format(" {} ", name)) != std::string::npos) continue;
-    throw std::invalid_argument(
-        (folder / name).string() +
-        ": was not written by this program, and is not replaced or removed");
-  }
-}
-
 // Nothing is written that the reader would refuse, and no name that a line cannot hold.
 void require_readable(const std::filesystem::path& folder, const Texts& texts,
                       const Sequence& sequence) try {
@@ -195,11 +181,24 @@ void require_readable(const std::filesystem::path& folder, const Texts& texts,
 
 }  // namespace
 
+void require_own_files(const std::filesystem::path& folder) {
+  std::string head;
+  std::getline(std::ifstream(folder / native::kSettings), head);
+  if (head == kSequenceOutput.begins) return;  // of an earlier build, which did not name them
+  for (const auto name : native::kFileNames) {
+    if (!std::filesystem::exists(folder / name)) continue;
+    if ((head + ' ').find(fmt::format(" {} ", name)) != std::string::npos) continue;
+    throw std::invalid_argument(
+        (folder / name).string() +
+        ": was not written by this program, and is not replaced or removed");
+  }
+}
+
 void write_native(const Sequence& sequence, const std::filesystem::path& folder,
                   NativeParts parts) {
   const Texts texts = texts_of(sequence, parts);
   require_readable(folder, texts, sequence);
-  require_own(folder);
+  require_own_files(folder);
   std::filesystem::create_directories(folder);
   OutputFiles files;
   for (const auto name : native::kFileNames) {

@@ -8,10 +8,14 @@ namespace slammot {
 
 enum class NativeParts { kAll, kWithoutObservations };
 
+// Throws std::invalid_argument for a file of a sequence in the folder that this program did not
+// write there: its names stand in the first line of sequence.yaml.
+void require_own_files(const std::filesystem::path& folder);
+
 // Makes the folder if need be and replaces the files of a sequence in it, all or none; optional
 // files that this sequence does not have are removed: ask require_output() first. Frames are
-// numbered 0, 1, 2...; throws std::invalid_argument if they are not, or for what the reader would
-// refuse, and std::runtime_error if a file cannot be written.
+// numbered 0, 1, 2...; throws std::invalid_argument if they are not, for what the reader would
+// refuse, or as require_own_files(), and std::runtime_error if a file cannot be written.
 void write_native(const Sequence& sequence, const std::filesystem::path& folder,
                   NativeParts parts = NativeParts::kAll);
 

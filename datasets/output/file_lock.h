@@ -5,8 +5,8 @@
 
 namespace slammot {
 
-// In a folder whose other files are renamed when they are written: this one never is.
-inline constexpr char kLockFile[] = ".slammot-lock";
+// Of a folder whose other files are renamed when they are written: this one never is.
+inline constexpr char kLockFile[] = ".slammot-lock";  // begins with kHidden of output_folder.h
 
 class FileLock {
  public:

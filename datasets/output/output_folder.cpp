@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <fstream>
 
-#include "datasets/output/file_lock.h"
 #include "datasets/output/output_files.h"
 #include "datasets/text/printable.h"
 
@@ -32,7 +31,7 @@ bool is_vacant(const fs::path& folder) {
   if (!fs::exists(folder)) return true;
   const fs::directory_iterator entries(folder);
   return std::all_of(begin(entries), end(entries), [](const auto& entry) {
-    return is_unfinished(entry.path()) || entry.path().filename() == kLockFile;
+    return is_unfinished(entry.path()) || entry.path().filename().string().starts_with(kHidden);
   });
 }
 

@@ -23,6 +23,10 @@ inline constexpr OutputKind kStudyOutput{
 inline constexpr OutputKind kPicturesOutput{"pictures", "pictures.yaml",
                                             "format: slammot-pictures-1"};
 
+// How the names begin of what this program puts into a folder for a while, or to lock it: no
+// output.
+inline constexpr std::string_view kHidden = ".slammot-";
+
 // Throws std::invalid_argument if `folder` may not be written to. `replace` allows an earlier
 // output of this kind to be replaced. `input` is never replaced.
 void require_output(const std::filesystem::path& folder, const OutputKind& kind, bool replace,

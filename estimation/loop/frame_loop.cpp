@@ -7,10 +7,13 @@ namespace slammot {
 
 namespace {
 
+// In one frame, so that its time is bounded. What is still wrong waits for the next.
+constexpr int kMostRevisions = 10;
+
 // Frames that are processed again, in units of those that the first labels are open for: in one
-// frame, so that its time is bounded (what is still wrong waits for the next), and in a run. On
-// `circle` and `square` a frame needs one unit at most, a run five.
-constexpr int kMostAnewInAFrame = 2, kMostAnew = 10;
+// frame and in a run. `circle` and `square` need one and five, the desk among the recordings three
+// and fifteen.
+constexpr int kMostAnewInAFrame = 4, kMostAnew = 25;
 
 }  // namespace
 
@@ -42,12 +45,13 @@ FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
   FrameReport report = advance(frame, stages);
   const int frames = static_cast<int>(first_.frames().size());
   const int unit = std::max(models_.labels.start, models_.labels.start_over);
-  for (int anew = frames; anew <= kMostAnewInAFrame * unit && anew_ + frames <= kMostAnew * unit &&
-                          first_.revise(manager_->records());
-       anew += frames) {
+  const int most = std::min(kMostAnewInAFrame * unit, kMostAnew * unit - anew_);
+  for (int k = 1; k <= kMostRevisions && k * frames <= most; ++k) {
+    if (!first_.revise(manager_->records())) break;
     anew_ += frames;
     report = start_over(before, stages);
   }
+  if (anew_ + frames > kMostAnew * unit) first_.close();
   return report;
 }
 

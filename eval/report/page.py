@@ -69,7 +69,8 @@ def aside(path):
     except OSError as error:
         raise NotMade(f"{path}: cannot be written: {error.strerror}") from error
     finally:
-        unfinished.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            unfinished.unlink()
 
 
 def write_aside(path, text):

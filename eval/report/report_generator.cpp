@@ -1,5 +1,6 @@
 #include "eval/report/report_generator.h"
 
+#include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
 
@@ -35,8 +36,6 @@ int run_program(std::vector<std::string> words) {
   return WEXITSTATUS(status);
 }
 
-Path page_of(const Path& output) { return output / "report.html"; }
-
 }  // namespace
 
 std::optional<Path> share_folder() {
@@ -56,29 +55,23 @@ namespace {
 
 int make_page(const char* generator, const Path& output) {
   const std::optional<Path> share = share_folder();
-  if (!share) return kFailed;
+  if (!share) {
+    fmt::print(stderr,
+               "slammot: the report generator is missing: SLAMMOT_SHARE names its folder\n");
+    return kFailed;
+  }
   const int code =
       run_program({python_interpreter(), (*share / generator).string(), output.string()});
   if (code == kDone) return std::filesystem::exists(page_of(output)) ? kDone : kFailed;
   return code == kBadInput ? kBadInput : kFailed;
 }
 
-std::optional<Path> page_if_done(int code, const Path& output) {
-  return code == kDone ? std::optional(page_of(output)) : std::nullopt;
-}
-
 }  // namespace
+
+Path page_of(const Path& output) { return output / "report.html"; }
 
 int make_compare_page(const Path& output) { return make_page(kCompare, output); }
 
 int make_study_page(const Path& output) { return make_page(kStudy, output); }
-
-std::optional<Path> write_compare_report(const Path& output) {
-  return page_if_done(make_compare_page(output), output);
-}
-
-std::optional<Path> write_study_report(const Path& output) {
-  return page_if_done(make_study_page(output), output);
-}
 
 }  // namespace slammot

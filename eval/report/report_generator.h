@@ -10,17 +10,13 @@ namespace slammot {
 // beside the program, else the source folder this was built from. Nothing if there is none.
 std::optional<std::filesystem::path> share_folder();
 
-// Make `output`/report.html of a comparison's or a study's folder. The exit code: 0 done, 2 bad
-// input, which the generator has named on stderr, 1 anything else.
+// Make the page of a comparison's folder, from compare.json, or of a study's, from summary.json
+// with figures and tables beside it. The exit code: 0 done, 2 bad input, 1 anything else; stderr
+// says why.
 int make_compare_page(const std::filesystem::path& output);
 int make_study_page(const std::filesystem::path& output);
 
-// Writes `output`/report.html from `output`/compare.json. Returns its path, or nothing if the
-// generator is missing or failed (it says why on stderr).
-std::optional<std::filesystem::path> write_compare_report(const std::filesystem::path& output);
-
-// The same from a study's summary.json; figures and tables go to `output`/figures and
-// `output`/tables.
-std::optional<std::filesystem::path> write_study_report(const std::filesystem::path& output);
+// `output`/report.html.
+std::filesystem::path page_of(const std::filesystem::path& output);
 
 }  // namespace slammot

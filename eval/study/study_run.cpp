@@ -1,5 +1,7 @@
 #include "eval/study/study_run.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <map>
@@ -210,10 +212,6 @@ Json timing_json(const RunMetrics& metrics) {
   return json;
 }
 
-}  // namespace
-
-namespace {
-
 // As it was when the study began: a run of another recording is another run.
 Sequence sequence_of_run(const Study& study, const StudyCell& cell, std::uint64_t seed) {
   Sequence sequence = study_sequence(cell, seed);
@@ -231,8 +229,8 @@ StudyRun run_study_cell(const Study& study, int cell, int run, DriveOptions opti
   StudyRun made;
   made.result = {{"cell", cell}, {"seed", study.seed(run)}};
   made.timing = {{"cell", cell}, {"seed", study.seed(run)}};
+  const Sequence sequence = sequence_of_run(study, c, study.seed(run));
   try {
-    const Sequence sequence = sequence_of_run(study, c, study.seed(run));
     options.landmarks_every_frame = !study.tracks.empty();
     const EvaluatedRun done =
         run_and_evaluate(sequence, c.configuration, c.estimator, options, study.metrics);
@@ -241,9 +239,10 @@ StudyRun run_study_cell(const Study& study, int cell, int run, DriveOptions opti
   } catch (const std::bad_alloc&) {
     throw;  // of this machine, not of the estimator
   } catch (const InputError&) {
-    throw;  // of what it was given
-  } catch (const std::invalid_argument&) {
-    throw;  // of the configuration
+    throw;                                        // of what it was given
+  } catch (const std::invalid_argument& error) {  // of the configuration
+    throw std::invalid_argument(
+        fmt::format("{}, {}, seed {}: {}", c.group, c.label, study.seed(run), error.what()));
   } catch (const std::exception& error) {
     made.result["diverged"] = {{"frame", nullptr}, {"reason", error.what()}};
   }

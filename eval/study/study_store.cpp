@@ -125,6 +125,7 @@ void merge_runs(const Study& study, const std::vector<fs::path>& folders, const 
 
 void claim_folder(const Study& study, const fs::path& folder, const Shard& shard, bool resume) {
   fs::create_directories(folder);
+  require_output(folder, kStudyOutput, true);
   if (is_own(folder, kStudyOutput)) {
     if (!is_of(study, folder)) refuse(folder, "holds another study (its study.yaml differs)");
     if (!resume && fs::exists(folder / shard.journal())) {
@@ -132,7 +133,6 @@ void claim_folder(const Study& study, const fs::path& folder, const Shard& shard
     }
     return;
   }
-  if (!is_vacant(folder)) refuse(folder, "holds files that are not a study of this program");
   // Whole at once: another shard that begins now sees all of it or nothing.
   write_file(folder / kStudyOutput.mark, marked(study.text));
 }

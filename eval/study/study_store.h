@@ -4,7 +4,7 @@
 //   journal-I-of-N.jsonl  the finished runs of shard I
 //   results.jsonl         the results by cell and seed: the same bytes however they were computed
 //   timing.jsonl          what depends on the machine and the clock, in the same order
-//   study.yaml            the study's file as it was
+//   study.yaml            the mark of the folder, and the study's file as it was
 //
 // Journals stay: with them a study can be resumed, or be given more runs.
 #pragma once

@@ -6,6 +6,7 @@
 
 #include "datasets/native/native_reader.h"
 #include "datasets/native/native_writer.h"
+#include "datasets/text/text_table.h"
 #include "tests/datasets/fixture.h"
 
 namespace slammot {
@@ -83,12 +84,26 @@ TEST(NativeWriter, RemovesWhatTheSequenceDoesNotHave) {
   test::TemporaryFolder folder;
   test::write_good(folder.path());
   Sequence s = read_native(folder.path());
+  write_native(s, folder.path() / "own");
   s.known.clear();
   s.initial.reset();
-  write_native(s, folder.path());
-  EXPECT_FALSE(fs::exists(folder.path() / "known.csv"));
-  EXPECT_FALSE(fs::exists(folder.path() / "initial.yaml"));
-  EXPECT_TRUE(fs::exists(folder.path() / "landmarks.csv"));
+  write_native(s, folder.path() / "own");
+  EXPECT_FALSE(fs::exists(folder.path() / "own" / "known.csv"));
+  EXPECT_FALSE(fs::exists(folder.path() / "own" / "initial.yaml"));
+  EXPECT_TRUE(fs::exists(folder.path() / "own" / "landmarks.csv"));
+}
+
+// Not what this program wrote: neither removed nor replaced.
+TEST(NativeWriter, LeavesFilesOfOthersAlone) {
+  test::TemporaryFolder folder;
+  test::write_good(folder.path());
+  Sequence s = read_native(folder.path());
+  EXPECT_THROW(write_native(s, folder.path()), std::invalid_argument);
+  s.known.clear();
+  write_native(s, folder.path() / "own");
+  test::write_text(folder.path() / "own" / "known.csv", "mine");
+  EXPECT_THROW(write_native(s, folder.path() / "own"), std::invalid_argument);
+  EXPECT_EQ(read_text_file(folder.path() / "own" / "known.csv"), "mine");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 SLAMMOT = ""
@@ -157,11 +158,12 @@ class Outputs(unittest.TestCase):
             fcntl.flock(lock, fcntl.LOCK_EX)
             self.refused("compare", self.simulated(), "--estimator", "ekf", "--output", "out", "--force",
                          reason="another process is at work on it", kept=self.folder / "out")
-        process = subprocess.Popen([SLAMMOT, "compare", "--scenario-set", "frames=60", "--landmark", "scaled_velocity", "--output", "long"],
+        process = subprocess.Popen([SLAMMOT, "compare", "--scenario-set", "frames=200", "--landmark", "scaled_velocity", "--output", "long"],
                                    cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         mark = self.folder / "long" / "compare.json"
         while not (mark.exists() and '"label"' in mark.read_text(encoding="utf-8")):
             self.assertIsNone(process.poll())
+            time.sleep(0.01)
         self.slammot("compare", "--scenario-set", "frames=12", "--estimator", "ekf", "--output", "long", "--force", code=2)
         self.assertEqual(process.wait(), 0)
 

@@ -170,9 +170,11 @@ class Strangers(WithStudy):
         self.same(folder)
 
     def test_processes_that_begin_at_once(self):
-        """In a folder that is not there: each makes it, or finds it made."""
-        for attempt in range(3):
+        """In a folder that is not there, or empty but for the name that another one tries whether it can write there."""
+        for attempt in range(4):
             folder = self.folder / f"at_once_{attempt}" / "new"
+            if attempt % 2:
+                (folder / ".slammot-abcdef").mkdir(parents=True)
             shards = [subprocess.Popen([SLAMMOT, "study", str(self.study), "--runs", "1", "--resume", "--shard", f"{i}/6", "--output", str(folder)],
                                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) for i in range(1, 7)]
             for shard in shards:
@@ -215,6 +217,8 @@ class Strangers(WithStudy):
             said = slammot("study", impossible, "--runs", 1, "--output", folder, code=2).stderr
             self.assertEqual(said.count("\n"), 1, said)
             self.assertIn(reason, said)
+            if "probation" in setting:
+                self.assertIn("window 3, seed 1: ", said)
             self.assertNotIn('"diverged":{', (folder / "journal-1-of-1.jsonl").read_text(encoding="utf-8"))
 
     def test_runs_of_another_configuration_are_refused(self):

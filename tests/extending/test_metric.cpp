@@ -45,7 +45,7 @@ TEST_F(ExtendingMetric, IsInMetricsJsonOnTheTerminalAndOnThePage) {
     }
   }
   EXPECT_NE(metrics_table(results).find("path ratio"), std::string::npos);
-  ASSERT_TRUE(write_compare_report(folder_.path()));
+  ASSERT_EQ(make_compare_page(folder_.path()), 0);
   const std::string page = test::read_text(folder_.path() / "report.html");
   EXPECT_NE(page.find("title=\"estimated over true length of the path\">path ratio"),
             std::string::npos);
@@ -73,7 +73,7 @@ TEST_F(ExtendingMetric, IsPooledByAStudyAndAColumnOfItsTables) {
   EXPECT_DOUBLE_EQ(cells[0]["filtered_path_ratio"]["value"].get<double>(), 0.5 * (a + b));
   EXPECT_EQ(cells[1]["smoothed_path_ratio"]["runs"], 2);
 
-  ASSERT_TRUE(write_study_report(options.output));
+  ASSERT_EQ(make_study_page(options.output), 0);
   const std::string csv = test::read_text(options.output / "tables" / "metrics.csv");
   const std::string head = csv.substr(0, csv.find('\n'));
   EXPECT_NE(head.find(",path ratio"), std::string::npos) << head;
