@@ -82,6 +82,7 @@ struct RunResult {
   std::vector<int> frames;               // index of each frame done
   std::vector<CameraEstimate> filtered;  // after each of them
   std::vector<FrameCounts> counts;       // likewise; empty when read back
+  std::vector<double> ray_spread;        // likewise, see run/ray_spread.h
   std::vector<CameraEstimate> smoothed;  // empty for a pure filter
   // A batch is solved once, after the last frame: its result is `smoothed`, and `filtered` is that
   // of the window in front of it.

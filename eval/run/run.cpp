@@ -5,6 +5,7 @@
 #include "eval/configuration/registry.h"
 #include "eval/configuration/setup.h"
 #include "eval/run/landmark_history.h"
+#include "eval/run/ray_spread.h"
 #include "eval/run/self_check.h"
 #include "eval/run/stage_clock.h"
 
@@ -78,8 +79,8 @@ void add_lagged(const Estimator& estimator, RunResult& result) {
   }
 }
 
-void drive_frame(const Frame& frame, Estimator& estimator, const DriveOptions& options,
-                 LandmarkHistory& history, RunResult& result) {
+void drive_frame(const Sequence& sequence, const Frame& frame, Estimator& estimator,
+                 const DriveOptions& options, LandmarkHistory& history, RunResult& result) {
   StageClock clock;
   const FrameReport report = estimator.process(frame, clock);
   const CameraEstimate camera = estimator.camera();  // its covariance is part of the frame's cost
@@ -92,7 +93,9 @@ void drive_frame(const Frame& frame, Estimator& estimator, const DriveOptions& o
   result.counts.push_back(counts_of(report));
   add_to(result.totals, result.counts.back());
   history.retire(frame.index, report.retired);  // before a track may begin anew
-  history.add(frame.index, estimator.landmarks_measured(frame.index));
+  const std::vector<LandmarkEstimate> measured = estimator.landmarks_measured(frame.index);
+  result.ray_spread.push_back(ray_spread(sequence, frame, measured));
+  history.add(frame.index, measured);
   if (!options.landmarks_every_frame) return;
   for (const LandmarkEstimate& landmark : estimator.landmarks()) {
     result.every_frame.push_back({frame.index, landmark});
@@ -122,7 +125,7 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
   try {
     for (const Frame& frame : sequence.frames) {
       frame_index = frame.index;
-      drive_frame(frame, estimator, options, history, result);
+      drive_frame(sequence, frame, estimator, options, history, result);
       const int done = static_cast<int>(result.frames.size());
       if (options.progress) options.progress(done, result.frames_offered);
     }

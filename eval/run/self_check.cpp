@@ -26,6 +26,7 @@ constexpr double kMostRejected = 0.15;  // a gate rejects a twentieth of right m
 constexpr double kMostRejectedOfBurst = 0.5;
 constexpr int kLeastStatic = 5;  // used; three hold a camera, four cannot tell which is wrong
 constexpr double kLeastShareStatic = 0.1;
+constexpr double kLeastSpread = 3.0;      // of the rays; noise alone spreads those of a line by 1
 constexpr double kExplains = 0.5;         // of what the five-point estimate does
 constexpr std::size_t kMostWrong = 5;     // one span in so many
 constexpr std::size_t kLeastWrong = 2;    // spans
@@ -107,6 +108,20 @@ std::optional<std::string> hardly_any_is_static(const Sums& s) {
                      100.0 * s.accepted_static / s.accepted, s.frames);
 }
 
+// Through frames in most of which all that it used lies on one line of the image, or in one point.
+std::optional<RunWarning> all_on_one_line(const RunResult& run) {
+  for (std::size_t i = 0; i + kFrames <= run.ray_spread.size(); ++i) {
+    const auto thin = std::ranges::count_if(std::span(run.ray_spread).subspan(i, kFrames),
+                                            [](double spread) { return spread < kLeastSpread; });
+    if (2 * static_cast<std::size_t>(thin) <= kFrames) continue;
+    return RunWarning{run.frames[i],
+                      fmt::format("in {} of {} frames the static landmarks in view lie on one "
+                                  "line: a turn about it is not seen",
+                                  thin, kFrames)};
+  }
+  return std::nullopt;
+}
+
 // Nobody sees what the camera does meanwhile, and its motion model alone bridges it.
 std::optional<RunWarning> time_jumps(const RunResult& run) {
   std::vector<double> intervals;
@@ -177,6 +192,7 @@ std::vector<RunWarning> self_check(const RunResult& run, std::span<const Rotatio
   check(kBurst, most_are_rejected_at_once);
   check(kFrames, nothing_is_used);
   check(kFrames, hardly_any_is_static);
+  if (auto warning = all_on_one_line(run)) warnings.push_back(std::move(*warning));
   if (auto warning = time_jumps(run)) warnings.push_back(std::move(*warning));
   if (auto warning = rotation_is_wrong(rotations)) warnings.push_back(std::move(*warning));
   if (auto warning = covariance_warning(run)) warnings.push_back(std::move(*warning));

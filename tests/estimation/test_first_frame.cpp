@@ -74,6 +74,21 @@ TEST_F(FirstFrameOf, OddsMakeStaticWhatDoesNotLookMoving) {
   EXPECT_EQ(first.frames().size(), 3u);
 }
 
+// As where processing frames again has cost enough: labels are then taken back as later ones are.
+TEST_F(FirstFrameOf, ClosedItTakesNothingBackItself) {
+  FirstFrame first(options_);
+  EXPECT_TRUE(decide(first, Label::kMoving, Label::kStatic));
+  record(1, Label::kStatic);
+  EXPECT_TRUE(first.holds(records_.at(1)));
+  first.accuse(1);
+  first.close();
+  EXPECT_FALSE(first.holds(records_.at(1)));
+  EXPECT_FALSE(first.revise(records_));
+  EXPECT_EQ(first.label(1), Label::kStatic);
+  first.begin(frame(13));
+  EXPECT_TRUE(first.frames().empty());
+}
+
 TEST_F(FirstFrameOf, AllAreStaticWhereMostLookMoving) {
   FirstFrame first(options_);
   EXPECT_TRUE(decide(first, Label::kMoving, Label::kMoving));

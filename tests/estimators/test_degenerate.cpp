@@ -157,6 +157,24 @@ INSTANTIATE_TEST_SUITE_P(Families, Degenerate,
                            return std::get<0>(tested.param) + "_" + std::get<1>(tested.param).name;
                          });
 
+// What determines too little is said, by both families; what does not is not.
+TEST(DegenerateGeometry, WarnsWhereAllLiesOnOneLine) {
+  const std::pair<Sequence, bool> cases[] = {{circle(), false},
+                                             {pure_rotation(), false},
+                                             {collinear_points(), true},
+                                             {coincident_points(), true},
+                                             {points_ahead(), true}};
+  for (const char* name : {"ekf", "window"}) {
+    for (const auto& [sequence, on_one_line] : cases) {
+      const RunResult run = run_estimator(sequence, {}, name);
+      const bool warns = std::ranges::any_of(run.warnings, [](const RunWarning& warning) {
+        return warning.reason.find("lie on one line") != std::string::npos;
+      });
+      EXPECT_EQ(warns, on_one_line) << name << ", " << sequence.name;
+    }
+  }
+}
+
 // One measurement that cannot be changes nothing but itself.
 TEST(FarPixel, IsNotUsed) {
   for (const char* name : {"ekf", "window"}) {

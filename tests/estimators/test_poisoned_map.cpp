@@ -76,17 +76,20 @@ TEST_P(PoisonedMap, OneWrongLabelIsTakenBack) {
 }
 
 TEST_P(PoisonedMap, AThirdOfTheMapIsFoundOut) {
-  Outcome reversible = run(6, "odds", "reversible"), one_way = run(6, "thesis", "one_way");
-  Outcome told = run(6, "truth", "one_way");
+  Outcome reversible = run(6, "odds", "reversible"), told = run(6, "truth", "one_way");
   print("reversible", reversible.labels, reversible.error);
-  print("one_way", one_way.labels, one_way.error);
   print("told", told.labels, told.error);
   EXPECT_GT(reversible.labels[Label::kMoving], 5 * reversible.labels[Label::kStatic]);
-  EXPECT_LT(reversible.error, one_way.error);
   // The EKF ends 1.5 times as far off as when it is told: some movers stay among the static.
   if (GetParam() == "window") {
     EXPECT_LT(reversible.error, 1.2 * told.error);
   }
+}
+
+TEST_P(PoisonedMap, AThirdOfTheMapCostsMoreWhereLabelsAreOneWay) {
+  Outcome reversible = run(6, "odds", "reversible"), one_way = run(6, "thesis", "one_way");
+  print("one_way", one_way.labels, one_way.error);
+  EXPECT_LT(reversible.error, one_way.error);
 }
 
 INSTANTIATE_TEST_SUITE_P(Labels, PoisonedMap, testing::Values("ekf", "window"),

@@ -70,6 +70,15 @@ TEST(SelfCheck, WhatIsNotStatedIsNoReason) {
   EXPECT_TRUE(self_check(run_of({.joint_nis = kUndefined}, 0)).empty());
 }
 
+TEST(SelfCheck, AllOnOneLine) {
+  RunResult run = run_of(kGood, 0);
+  run.ray_spread.assign(kFrames, 40.0);
+  for (std::size_t i = 30; i < 45; ++i) run.ray_spread[i] = 1.0;
+  EXPECT_TRUE(self_check(run).empty());  // half of 30
+  run.ray_spread[50] = 1.0;
+  EXPECT_THAT(only_reason(run), HasSubstr("in 16 of 30 frames the static landmarks in view lie"));
+}
+
 TEST(SelfCheck, AGapInTime) {
   RunResult run = run_of(kGood, 0);
   double time = 0.0;
