@@ -8,7 +8,6 @@
 #include "apps/support/command_line.h"
 #include "apps/support/judge_options.h"
 #include "apps/support/writable.h"
-#include "datasets/output/file_lock.h"
 #include "datasets/output/output_folder.h"
 #include "eval/compare/report_runs.h"
 #include "eval/output/metrics_table.h"
@@ -106,9 +105,6 @@ int report_runs_to(const ReportArguments& arguments) {
   require_output(output, kComparisonOutput, arguments.runs.force);
   require_writable_folder(output);
   const std::vector<JudgedRun> runs = judged(arguments.runs);
-  std::filesystem::create_directories(output);
-  const FileLock lock(output / kLockFile);
-  require_output(output, kComparisonOutput, arguments.runs.force);  // nobody else writes now
   const Json estimators = report_runs(runs, output, command_line());
   fmt::print("{}", pooled_table(estimators));
   std::fflush(stdout);
