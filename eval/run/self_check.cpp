@@ -116,7 +116,8 @@ std::optional<RunWarning> all_on_one_line(const RunResult& run) {
     if (2 * static_cast<std::size_t>(thin) <= kFrames) continue;
     return RunWarning{run.frames[i],
                       fmt::format("in {} of {} frames the static landmarks in view lie on one "
-                                  "line: a turn about it is not seen",
+                                  "line of the image: if they do in space, a turn about it is not "
+                                  "seen",
                                   thin, kFrames)};
   }
   return std::nullopt;

@@ -189,12 +189,16 @@ TEST(PureRotation, TheWindowIsTheEkfWhereDepthsAreKnown) {
     sequence.prior->inverse_depth_sigma = sigma;
     const RunResult ekf = run_estimator(sequence, configuration, "ekf");
     const RunResult window = run_estimator(sequence, configuration, "window");
+    ASSERT_EQ(ekf.filtered.size(), std::size_t{kFrames});
+    ASSERT_EQ(window.filtered.size(), std::size_t{kFrames});
     double most = 0.0;  // in standard deviations of the EKF
     for (std::size_t i = 1; i < ekf.filtered.size(); ++i) {
       const CameraEstimate &a = ekf.filtered[i], &b = window.filtered[i];
       const Eigen::Vector3d apart = a.state.position - b.state.position;
       const Eigen::Matrix3d P = a.covariance.topLeftCorner<3, 3>();
-      most = std::max(most, std::sqrt(apart.dot(P.llt().solve(apart))));
+      const double distance = std::sqrt(apart.dot(P.llt().solve(apart)));
+      ASSERT_TRUE(std::isfinite(distance));
+      most = std::max(most, distance);
     }
     const auto nees = [&](const RunResult& run) {
       return pose_consistency(pair_with_truth(sequence, run.filtered)).pose.mean;
@@ -204,6 +208,8 @@ TEST(PureRotation, TheWindowIsTheEkfWhereDepthsAreKnown) {
         most, nees(ekf), nees(window));
     if (sigma < 0.01) {
       EXPECT_LT(most, 0.5);
+    } else {
+      EXPECT_GT(most, 3.0);  // not cured; docs/robustness.md says so
     }
   }
 }
