@@ -145,6 +145,8 @@ class Judge(unittest.TestCase):
         page, out = self.report(honest + sure)
         of_honest, of_sure = anees(page), anees(page, 1)
         self.assertAlmostEqual(of_honest["mean"], 6.0, delta=0.1)
+        drawn = np.random.default_rng(1).normal(size=(RUNS, FRAMES, 6))[:, 1:]  # as draw() has them; the first frame is left out
+        self.assertAlmostEqual(of_honest["mean"], np.mean(np.sum(drawn**2, axis=2)), delta=1e-4)
         self.assertAlmostEqual(of_sure["mean"], 4 * of_honest["mean"], delta=1e-6)
         expected = 1.96 * np.sqrt(12.0 / (RUNS * (FRAMES - 1)))  # the variance of chi-square(6) is 12
         self.assertAlmostEqual((of_honest["upper"] - of_honest["lower"]) / 2, expected, delta=0.35 * expected)

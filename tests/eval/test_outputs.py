@@ -297,7 +297,7 @@ class Outputs(unittest.TestCase):
         (output / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
         before = set(contents(self.folder))
         self.slammot("report", output)
-        made = {path for path in set(contents(self.folder)) - before}
+        made = set(contents(self.folder)) - before
         self.assertEqual(len(made), 2, made)
         self.assertEqual({path.parts[:3] for path in made}, {("deep", "output", "figures")})
 
