@@ -54,6 +54,7 @@ struct LandmarkPrior {
   double acceleration = 1.0;          // sigma of unknown and moving landmarks' noise [m/s^2]
   double jerk = 1.0;                  // the same of models with an acceleration [m/s^3]
   double steady_time = 10.0;          // bounds that of unknown ones [s], see noise(); 0: no bound
+  bool spread_follows_mean = false;   // sigma_rho in proportion to a mean that is estimated
 
   double velocity_sigma() const { return max_speed / 2.0; }
 

@@ -58,7 +58,6 @@ class Batch final : public Estimator {
  private:
   void add_cameras();
   void add_landmark(const TrackHistory& history);
-  void add_birth(const TrackHistory& history, GraphLandmark& landmark);
   void add_chain(const TrackHistory& history, GraphLandmark& landmark);
   void leave_out_poles();
   double refresh_noises();  // of all landmarks
@@ -98,7 +97,8 @@ void Batch::add_landmark(const TrackHistory& history) {
   const LandmarkId id = graph_.add_landmark(anchor, history.states.front().head<3>());
   all_.push_back({id, history});
   GraphLandmark& l = graph_[id];
-  add_birth(history, l);
+  l.birth = history.birth;  // the window's, which may have been learnt: the same information
+  if (l.birth.kind == BirthPrior::Kind::kSharedDepth) l.birth.scene = graph_.scene->scene;
   if (history.is_free()) {
     graph_.free_landmark(id, functions_.prior_sigmas(history.record.prior));
     graph_.variables[l.w].value = history.states.front().tail(functions_.motion);
@@ -108,19 +108,6 @@ void Batch::add_landmark(const TrackHistory& history) {
     graph_.add_pixel(id, cameras_[static_cast<std::size_t>(frame)], pixel,
                      l.is_free() ? frame - history.first : 0);
   }
-}
-
-// The window's birth priors, which it may have learnt: the same information.
-void Batch::add_birth(const TrackHistory& history, GraphLandmark& l) {
-  if (history.known) {
-    l.birth.kind = BirthPrior::Kind::kKnown;
-    l.birth.known = *std::ranges::find(setup_.known, history.record.track, &KnownLandmark::track);
-    return;
-  }
-  l.birth.kind = graph_.scene ? BirthPrior::Kind::kSharedDepth : BirthPrior::Kind::kDepth;
-  l.birth.scene = graph_.scene ? graph_.scene->scene : -1;
-  l.birth.inverse_depth = history.record.prior.inverse_depth;
-  l.birth.sigma = history.record.prior.inverse_depth_sigma;
 }
 
 // From the last pixel on a chain says nothing.

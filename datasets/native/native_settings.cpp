@@ -38,6 +38,7 @@ LandmarkPrior read_prior(YamlMap map) {
   LandmarkPrior prior;
   prior.inverse_depth = map.real("inverse_depth");
   prior.inverse_depth_sigma = map.positive("inverse_depth_sigma");
+  if (map.has("mean_sigma")) prior.mean_sigma = map.positive("mean_sigma");
   prior.max_speed = map.positive("max_speed");
   if (map.has("acceleration")) prior.acceleration = map.real("acceleration");
   if (prior.acceleration < 0.0) map.refuse(map.take("acceleration"), "'acceleration' is negative");

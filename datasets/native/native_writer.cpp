@@ -58,8 +58,10 @@ Text settings_text(const Sequence& s) {
         s.motion->angular_acceleration);
   }
   if (s.prior) {
-    put(text, "prior: {{inverse_depth: {}, inverse_depth_sigma: {}, max_speed: {}",
-        s.prior->inverse_depth, s.prior->inverse_depth_sigma, s.prior->max_speed);
+    put(text, "prior: {{inverse_depth: {}, inverse_depth_sigma: {}", s.prior->inverse_depth,
+        s.prior->inverse_depth_sigma);
+    if (s.prior->mean_sigma > 0.0) put(text, ", mean_sigma: {}", s.prior->mean_sigma);
+    put(text, ", max_speed: {}", s.prior->max_speed);
     put(text, ", acceleration: {}", s.prior->acceleration);
     if (s.prior->jerk != LandmarkPrior{}.jerk) put(text, ", jerk: {}", s.prior->jerk);
     put(text, "}}\n");

@@ -81,6 +81,7 @@ void state_car(Sequence& sequence) {
   LandmarkPrior prior;
   prior.inverse_depth = 0.06;  // corners of a street lie 8 to 60 m away
   prior.inverse_depth_sigma = 0.04;
+  prior.mean_sigma = 0.06;
   prior.max_speed = 20.0;
   prior.acceleration = 2.0;
   sequence.prior = prior;

@@ -27,6 +27,13 @@ struct MotionConfiguration {
   NoiseDiscretisation discretisation = NoiseDiscretisation::kWhiteNoise;
 };
 
+// sigma_rho of a landmark's prior as its mean is corrected: the same, or in proportion to the mean.
+// Auto: in proportion where the sequence does not state depths as known.
+enum class PriorSpread { kAuto, kFixed, kRelative };
+inline constexpr Choice<PriorSpread> kPriorSpreads[] = {{"auto", PriorSpread::kAuto},
+                                                        {"fixed", PriorSpread::kFixed},
+                                                        {"relative", PriorSpread::kRelative}};
+
 struct PriorConfiguration {
   std::optional<double> inverse_depth;        // [1/m]
   std::optional<double> inverse_depth_sigma;  // [1/m]
@@ -35,6 +42,7 @@ struct PriorConfiguration {
   std::optional<double> acceleration;         // [m/s^2]
   std::optional<double> jerk;                 // [m/s^3]
   std::optional<double> steady_time;          // [s]
+  PriorSpread spread = PriorSpread::kAuto;
 };
 
 struct InitialConfiguration {

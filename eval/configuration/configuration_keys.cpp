@@ -228,8 +228,14 @@ std::vector<ConfigurationKey> statement_keys() {
       number("prior.inverse_depth_sigma", "its standard deviation [1/m]", kPositive,
              SLAMMOT_FIELD(prior.inverse_depth_sigma)),
       number("prior.mean_sigma",
-             "of rho0 itself, then estimated [1/m]; 0: rho0 is known; half of rho0 if empirical",
+             "of rho0 itself, then estimated [1/m]; 0: rho0 is known; if empirical, half of rho0, "
+             "and 1 where nothing is stated",
              kNotNegative, SLAMMOT_FIELD(prior.mean_sigma)),
+      option<PriorSpread>(
+          "prior.spread",
+          "sigma_rho of a landmark as its estimated mean is corrected: fixed or relative to it; "
+          "auto: relative where the sequence states no depths, or a mean_sigma",
+          listed(kPriorSpreads), SLAMMOT_FIELD(prior.spread)),
       number("prior.max_speed", "|v|max of landmarks; sigma_v is half of it [m/s]", kPositive,
              SLAMMOT_FIELD(prior.max_speed)),
       number("prior.acceleration", "noise of unknown and moving landmarks [m/s^2]", kNotNegative,

@@ -34,18 +34,30 @@ MotionNoise motion_noise(const Sequence& sequence, const MotionConfiguration& ov
   return noise;
 }
 
-// A mean that is learnt, and of which nothing is said, is known to half of itself.
+constexpr double kUnknownMean = 1.0;  // [1/m], of a scene of which nothing is stated
+
+// How well rho0 is known: exactly, where it is all that holds the scale. A mean that is learnt is
+// known to half of itself where it is stated, and hardly at all where it is not.
+double mean_sigma(const LandmarkPrior& stated, bool learns, bool depths_are_stated) {
+  if (!learns) return 0.0;
+  if (!depths_are_stated) return kUnknownMean;
+  return stated.mean_sigma > 0.0 ? stated.mean_sigma : 0.5 * stated.inverse_depth;
+}
+
 LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& camera,
                              const Configuration& configuration) {
   const PriorConfiguration& overrides = configuration.prior;
   LandmarkPrior prior = sequence.prior.value_or(LandmarkPrior{});
   prior.inverse_depth = overrides.inverse_depth.value_or(prior.inverse_depth);
   prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
-  if (learns_depths(configuration.model.depth_prior, camera, !sequence.known.empty()) &&
-      prior.mean_sigma == 0.0) {
-    prior.mean_sigma = 0.5 * prior.inverse_depth;
-  }
-  prior.mean_sigma = overrides.mean_sigma.value_or(prior.mean_sigma);
+  const bool learns =
+      learns_depths(configuration.model.depth_prior, camera, !sequence.known.empty());
+  const bool depths_are_stated = sequence.prior || overrides.inverse_depth;
+  const bool depths_are_known = depths_are_stated && prior.mean_sigma == 0.0;
+  prior.mean_sigma = overrides.mean_sigma.value_or(mean_sigma(prior, learns, depths_are_stated));
+  prior.spread_follows_mean = overrides.spread == PriorSpread::kAuto
+                                  ? prior.mean_sigma > 0.0 && !depths_are_known
+                                  : overrides.spread == PriorSpread::kRelative;
   prior.max_speed = overrides.max_speed.value_or(prior.max_speed);
   prior.acceleration = overrides.acceleration.value_or(prior.acceleration);
   prior.jerk = overrides.jerk.value_or(prior.jerk);
@@ -120,10 +132,15 @@ Configuration resolved(const Setup& setup, Configuration configuration) {
   configuration.pixel_sigma = setup.pixel_sigma;
   configuration.motion.acceleration = setup.camera_noise.acceleration;
   configuration.motion.angular_acceleration = setup.camera_noise.angular_acceleration;
-  configuration.prior = {setup.prior.inverse_depth, setup.prior.inverse_depth_sigma,
-                         setup.prior.mean_sigma,    setup.prior.max_speed,
-                         setup.prior.acceleration,  setup.prior.jerk,
-                         setup.prior.steady_time};
+  configuration.prior = {
+      setup.prior.inverse_depth,
+      setup.prior.inverse_depth_sigma,
+      setup.prior.mean_sigma,
+      setup.prior.max_speed,
+      setup.prior.acceleration,
+      setup.prior.jerk,
+      setup.prior.steady_time,
+      setup.prior.spread_follows_mean ? PriorSpread::kRelative : PriorSpread::kFixed};
   configuration.initial = {setup.initial.velocity_sigma, setup.initial.angular_velocity_sigma};
   return configuration;
 }

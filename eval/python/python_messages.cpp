@@ -57,7 +57,7 @@ Json prior_json(const LandmarkPrior& prior) {
       {"inverse_depth", prior.inverse_depth}, {"inverse_depth_sigma", prior.inverse_depth_sigma},
       {"mean_sigma", prior.mean_sigma},       {"max_speed", prior.max_speed},
       {"acceleration", prior.acceleration},   {"jerk", prior.jerk},
-      {"steady_time", prior.steady_time}};
+      {"steady_time", prior.steady_time},     {"spread_follows_mean", prior.spread_follows_mean}};
 }
 
 Json state_json(const CameraState& x) {

@@ -47,11 +47,12 @@ struct BirthPrior {
   enum class Kind {
     kNone,
     kDepth,        // (rho - rho0) / sigma_rho
-    kSharedDepth,  // (rho - m) / sigma_rho, where m is the mean of the scene, a variable
+    kSharedDepth,  // (rho - m) / sigma(m), where m is the mean of the scene, a variable
     kKnown         // (a + G/rho - X) / sigma
   };
   Kind kind = Kind::kNone;
-  double inverse_depth = 0.0, sigma = 1.0;
+  double inverse_depth = 0.0;  // rho0 [1/m]
+  DepthSpread spread;
   VariableId scene = -1;
   KnownLandmark known;
 

@@ -127,10 +127,17 @@ double Graph::linearise_birth(GraphLandmark& l) {
     return birth.r.squaredNorm();
   }
   const bool shared = birth.kind == BirthPrior::Kind::kSharedDepth;
-  birth.J_y.row(0) = models_.point().inverse_depth_jacobian(variables[l.y].point()) / birth.sigma;
-  if (shared) birth.J_scene(0) = -1.0 / birth.sigma;
-  birth.r(0) = depth_residual(birth, models_.point().inverse_depth(variables[l.y].value),
-                              shared ? variables[birth.scene].value(0) : 0.0);
+  const SmallVector& y = variables[l.y].value;
+  const auto y_point = variables[l.y].point();
+  const PointFunctions& point = models_.point();
+  const DepthResidual at =
+      depth_residual(birth.spread, point.inverse_depth(y_point),
+                     shared ? variables[birth.scene].point()(0) : birth.inverse_depth);
+  birth.J_y.row(0) = at.J_rho * point.inverse_depth_jacobian(y_point);
+  if (shared) birth.J_scene(0) = at.J_mean;
+  birth.r(0) = depth_residual(birth.spread, point.inverse_depth(y),
+                              shared ? variables[birth.scene].value(0) : birth.inverse_depth)
+                   .r;
   return birth.r.squaredNorm();
 }
 

@@ -62,6 +62,14 @@ std::optional<PixelResidual> pixel_residual(const GraphModels& models, const Mea
   return result;
 }
 
+DepthResidual depth_residual(const DepthSpread& spread, double rho, double mean) {
+  constexpr double kLeast = 0.01;
+  const bool follows = spread.about > 0.0, is_least = mean < kLeast * spread.about;
+  const double share = !follows ? 1.0 : is_least ? kLeast : mean / spread.about;
+  const double sigma = spread.sigma * share, r = (rho - mean) / sigma;
+  return {r, 1.0 / sigma, follows && !is_least ? -1.0 / sigma - r / mean : -1.0 / sigma};
+}
+
 std::optional<KnownResidual> known_residual(const PointFunctions& point, const KnownLandmark& known,
                                             const Eigen::Vector3d& anchor,
                                             const Eigen::Vector3d& y) {

@@ -52,6 +52,20 @@ std::optional<PixelResidual> pixel_residual(const GraphModels& models, const Mea
                                             const Eigen::Vector3d& anchor,
                                             const Eigen::Vector3d& y);
 
+// (rho - m) / sigma of an inverse depth whose prior has the mean m [1/m]. sigma is `spread.sigma`,
+// or with `spread.about` > 0 in proportion to m, and so at m = about: a scene that is twice as
+// large has half the spread too, and r is the same in both. Without it a wide prior is an argument
+// for a large scene, where all inverse depths are near their mean. m near zero or below has a
+// hundredth of the spread.
+struct DepthSpread {
+  double sigma = 1.0;  // [1/m]
+  double about = 0.0;  // [1/m]
+};
+struct DepthResidual {
+  double r = 0.0, J_rho = 0.0, J_mean = 0.0;
+};
+DepthResidual depth_residual(const DepthSpread& spread, double rho, double mean);
+
 // (a + G/rho - X) / sigma of a landmark known beforehand; nothing at rho = 0.
 struct KnownResidual {
   Eigen::Vector3d r;

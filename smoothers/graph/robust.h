@@ -1,4 +1,4 @@
-// What the residuals of a graph's pixels and birth priors cost.
+// What the residuals of a graph's pixels cost.
 #pragma once
 
 #include <cmath>
@@ -13,12 +13,6 @@ inline double robust(const ceres::LossFunction* loss, double square, double* wei
   if (loss) loss->Evaluate(square, rho);
   if (weight) *weight = std::sqrt(rho[1]);
   return rho[0];
-}
-
-// Of a birth prior of depth, with the scene's mean for one that shares it.
-inline double depth_residual(const BirthPrior& birth, double rho, double mean) {
-  return (rho - (birth.kind == BirthPrior::Kind::kSharedDepth ? mean : birth.inverse_depth)) /
-         birth.sigma;
 }
 
 }  // namespace slammot

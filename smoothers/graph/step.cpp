@@ -95,10 +95,10 @@ void Graph::try_step(const GraphLandmark& l, StepOutcome& outcome) const {
     if (at) outcome.add(at->r, l.birth.r + birth_change(variables, l));
   } else if (l.birth.kind != BirthPrior::Kind::kNone) {
     const bool shared = l.birth.kind == BirthPrior::Kind::kSharedDepth;
-    const double r = depth_residual(l.birth, models_.point().inverse_depth(y),
-                                    shared ? variables[l.birth.scene].candidate(0) : 0.0);
+    const double mean = shared ? variables[l.birth.scene].candidate(0) : l.birth.inverse_depth;
+    const double r = depth_residual(l.birth.spread, models_.point().inverse_depth(y), mean).r;
     outcome.square += r * r;
-    if (!models_.point().linear_depth) {
+    if (!models_.point().linear_depth || l.birth.spread.about > 0.0) {
       outcome.add(Vector1d(r), Vector1d((l.birth.r + birth_change(variables, l)).head<1>()));
     }
   }

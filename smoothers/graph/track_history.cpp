@@ -4,10 +4,10 @@
 
 namespace slammot {
 
-void TrackHistories::begin(int track, int frame, bool known) {
+void TrackHistories::begin(int track, int frame, const BirthPrior& birth) {
   TrackHistory& history = open_[track] = {};
   history.first = frame;
-  history.known = known;
+  history.birth = birth;
 }
 
 void TrackHistories::measured(int track, int frame, const Eigen::Vector2d& pixel) {

@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "estimation/track_policy.h"
-#include "models/landmarks/landmark_models.h"
+#include "smoothers/graph/landmark.h"
 
 namespace slammot {
 
 // From the first pixel of a landmark until it is pruned. Frames by WindowFrame::number.
 struct TrackHistory {
   int first = 0;  // frame
-  bool known = false;
+  BirthPrior birth;
   std::vector<std::pair<int, Eigen::Vector2d>> pixels;  // by frame, the first one included
   std::vector<LandmarkVector>
       states;  // (y, w) by frame from the first; of a static landmark its last
@@ -26,7 +26,7 @@ struct TrackHistory {
 
 class TrackHistories {
  public:
-  void begin(int track, int frame, bool known);
+  void begin(int track, int frame, const BirthPrior& birth);
   void measured(int track, int frame, const Eigen::Vector2d& pixel);
   void let_go(int track, int frame);  // a measurement that turned out to be wrong
   // The next states of a free landmark, as they leave the window or it becomes static.

@@ -178,8 +178,10 @@ class DepthCost final : public ceres::SizedCostFunction<1, 3> {
   DepthCost(const PointFunctions& point, const BirthPrior& birth) : point_(point), birth_(birth) {}
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
     const Eigen::Vector3d y = Block3(x[0]);
-    residuals[0] = (point_.inverse_depth(y) - birth_.inverse_depth) / birth_.sigma;
-    write(jacobians, 0, (point_.inverse_depth_jacobian(y) / birth_.sigma).eval());
+    const DepthResidual at =
+        depth_residual(birth_.spread, point_.inverse_depth(y), birth_.inverse_depth);
+    residuals[0] = at.r;
+    write(jacobians, 0, (at.J_rho * point_.inverse_depth_jacobian(y)).eval());
     return true;
   }
 
@@ -190,18 +192,20 @@ class DepthCost final : public ceres::SizedCostFunction<1, 3> {
 
 class SharedDepthCost final : public ceres::SizedCostFunction<1, 3, 1> {
  public:
-  SharedDepthCost(const PointFunctions& point, double sigma) : point_(point), sigma_(sigma) {}
+  SharedDepthCost(const PointFunctions& point, const DepthSpread& spread)
+      : point_(point), spread_(spread) {}
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
     const Eigen::Vector3d y = Block3(x[0]);
-    residuals[0] = (point_.inverse_depth(y) - x[1][0]) / sigma_;
-    write(jacobians, 0, (point_.inverse_depth_jacobian(y) / sigma_).eval());
-    write(jacobians, 1, Eigen::Matrix<double, 1, 1>(-1.0 / sigma_));
+    const DepthResidual at = depth_residual(spread_, point_.inverse_depth(y), x[1][0]);
+    residuals[0] = at.r;
+    write(jacobians, 0, (at.J_rho * point_.inverse_depth_jacobian(y)).eval());
+    write(jacobians, 1, Eigen::Matrix<double, 1, 1>(at.J_mean));
     return true;
   }
 
  private:
   const PointFunctions& point_;
-  double sigma_;
+  DepthSpread spread_;
 };
 
 class KnownLandmarkCost final : public ceres::SizedCostFunction<3, 3, 3> {
@@ -320,7 +324,7 @@ Cost birth_cost(const PointFunctions& point, const BirthPrior& birth) {
     return std::make_unique<KnownLandmarkCost>(point, birth.known);
   }
   if (birth.kind == BirthPrior::Kind::kSharedDepth) {
-    return std::make_unique<SharedDepthCost>(point, birth.sigma);
+    return std::make_unique<SharedDepthCost>(point, birth.spread);
   }
   return std::make_unique<DepthCost>(point, birth);
 }

@@ -88,10 +88,10 @@ void Window::add_known(const KnownLandmark& known) {
       initialise_known(functions_.point, known, graph_.variables[anchor].value).y;
   WindowLandmark& landmark = insert(known.track, anchor, y);
   landmark.is_entering = true;
-  if (histories_) histories_->begin(known.track, cameras_.newest().number, true);
   GraphLandmark& l = graph_[landmark.id];
   l.birth.kind = BirthPrior::Kind::kKnown;
   l.birth.known = known;
+  if (histories_) histories_->begin(known.track, cameras_.newest().number, l.birth);
   truth_.apply(landmark);
   graph_.linearise(l);
 }
@@ -198,8 +198,10 @@ bool Window::add(const Observation& z, const LandmarkPrior& prior, bool is_free)
   const WindowFrame& newest = cameras_.newest();
   WindowLandmark* landmark = insert_at(newest, z, prior, is_free);
   if (landmark == nullptr) return false;
-  if (histories_) histories_->begin(z.track, newest.number, false);
-  if (histories_) histories_->measured(z.track, newest.number, z.pixel);
+  if (histories_) {
+    histories_->begin(z.track, newest.number, graph_[landmark->id].birth);
+    histories_->measured(z.track, newest.number, z.pixel);
+  }
   truth_.apply(*landmark);
   graph_.linearise(graph_[landmark->id]);
   optimiser_.equations().add(graph_, landmark->id);
@@ -218,7 +220,7 @@ WindowLandmark* Window::insert_at(const WindowFrame& frame, const Observation& z
   GraphLandmark& l = graph_[landmark.id];
   l.birth.kind = scene ? BirthPrior::Kind::kSharedDepth : BirthPrior::Kind::kDepth;
   l.birth.inverse_depth = prior.inverse_depth;
-  l.birth.sigma = prior.inverse_depth_sigma;
+  l.birth.spread = {prior.inverse_depth_sigma, scene && prior.spread_follows_mean ? depth : 0.0};
   l.birth.scene = scene ? scene->scene : -1;
   graph_.add_pixel(landmark.id, frame.camera, z.pixel, 0);
   landmark.is_free = is_free;

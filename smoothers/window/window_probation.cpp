@@ -84,7 +84,8 @@ void Window::find_refused(std::span<const Candidate> candidates, std::vector<int
 
 void Window::begin_history(const Candidate& candidate) {
   const int track = candidate.track;
-  histories_->begin(track, frame_of(candidate.sightings.front()).number, false);
+  histories_->begin(track, frame_of(candidate.sightings.front()).number,
+                    graph_[landmarks_.at(track).id].birth);
   for (const Sighting& seen : candidate.sightings) {
     histories_->measured(track, frame_of(seen).number, seen.pixel);
   }

@@ -22,6 +22,7 @@ struct Case {
   std::string depth_prior = "fixed";
   double inverse_depth_sigma = 0.0;  // above 0: instead of the sequence's
   std::string point = "inverse_depth";
+  bool relative = false;  // LandmarkPrior::spread_follows_mean
 };
 
 // Every field but the size of the state: a filter and a smoother that agree also report alike, but
@@ -66,6 +67,7 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
   if (GetParam().inverse_depth_sigma > 0.0) {
     setup.prior.inverse_depth_sigma = GetParam().inverse_depth_sigma;
   }
+  setup.prior.spread_follows_mean = GetParam().relative;
   models.depth_prior = source_of(GetParam().depth_prior);
   models.landmark = GetParam().landmark;
   models.point = GetParam().point;
@@ -135,7 +137,10 @@ std::vector<Case> cases() {
       {"dynamic_inverse_depth", "drop", "thesis", 0.0, "reversible"},
       {"scaled_velocity", "drop", "thesis", 0.0, "reversible"},
       {"scaled_velocity", "condition", "thesis", 0.04, "reversible", "empirical"},
-      {"scaled_velocity", "condition", "thesis", 0.0, "reversible", "fixed", 0.3}};
+      {"scaled_velocity", "condition", "thesis", 0.0, "reversible", "fixed", 0.3},
+      {"scaled_velocity", "drop", "odds", 0.04, "reversible", "empirical", 0.0, "inverse_depth",
+       true},
+      {"scaled_velocity", "drop", "odds", 0.04, "reversible", "fixed", 0.0, "xyz", true}};
   for (const LandmarkFunctions& landmark : landmark_table()) {
     if (!landmark.can_move) continue;
     const std::string name(landmark.name), point(landmark.point.name);
@@ -151,7 +156,8 @@ INSTANTIATE_TEST_SUITE_P(Models, OneFrameOf, testing::ValuesIn(cases()), [](cons
   return tested.param.landmark + "_" + tested.param.collapse + "_" + tested.param.classifier + "_" +
          tested.param.labels + "_" + tested.param.depth_prior + "_" + tested.param.point +
          (tested.param.inverse_depth_sigma > 0.0 ? "_wide" : "") +
-         (tested.param.mean_sigma > 0.0 ? "_scene" : "");
+         (tested.param.mean_sigma > 0.0 ? "_scene" : "") +
+         (tested.param.relative ? "_relative" : "");
 });
 
 // With Jacobians at the truth they are two linearisations of one model: the window's motion factor

@@ -191,8 +191,34 @@ TEST(MakeSetup, DepthsAreLearntWhereALandmarkIsKnown) {
   EXPECT_EQ(make_setup(sequence, Configuration{}).prior.mean_sigma, 0.0);
   sequence.known.push_back({1, Eigen::Vector3d::UnitZ(), 0.01});
   EXPECT_EQ(resolve(sequence, Configuration{}).model.depth_prior, DepthPriorSource::kEmpirical);
-  EXPECT_EQ(make_setup(sequence, Configuration{}).prior.mean_sigma,
-            0.5 * LandmarkPrior{}.inverse_depth);
+  EXPECT_EQ(make_setup(sequence, Configuration{}).prior.mean_sigma, 1.0);
+}
+
+// A sequence that states depths knows their spread and half knows their mean; one that states a
+// sigma of the mean knows no more than that; one that states nothing knows neither.
+TEST(MakeSetup, TheSpreadFollowsTheMeanWhereDepthsAreNotStatedAsKnown) {
+  Sequence sequence = test::straight_line(2);
+  sequence.known.push_back({1, Eigen::Vector3d::UnitZ(), 0.01});
+  const auto prior = [&](const char* key = "prior.spread", const char* value = "auto") {
+    Configuration configuration;
+    assign(configuration, {key, value});
+    return make_setup(sequence, configuration).prior;
+  };
+  EXPECT_TRUE(prior().spread_follows_mean);
+  EXPECT_FALSE(prior("prior.spread", "fixed").spread_follows_mean);
+  EXPECT_FALSE(prior("prior.mean_sigma", "0").spread_follows_mean);
+  EXPECT_EQ(prior("prior.inverse_depth", "0.1").mean_sigma, 0.05);  // the user states it
+  EXPECT_FALSE(prior("prior.inverse_depth", "0.1").spread_follows_mean);
+  sequence.prior = LandmarkPrior{};
+  EXPECT_EQ(prior().mean_sigma, 0.5 * LandmarkPrior{}.inverse_depth);
+  EXPECT_FALSE(prior().spread_follows_mean);
+  EXPECT_TRUE(prior("prior.spread", "relative").spread_follows_mean);
+  sequence.prior->mean_sigma = 0.07;
+  EXPECT_EQ(prior().mean_sigma, 0.07);
+  EXPECT_TRUE(prior().spread_follows_mean);
+  sequence.known.clear();  // the statement is all that holds the scale
+  EXPECT_EQ(prior().mean_sigma, 0.0);
+  EXPECT_FALSE(prior().spread_follows_mean);
 }
 
 TEST(Registry, NamesAreKnownAndAdjustTheConfiguration) {

@@ -95,6 +95,17 @@ TEST_F(CostFunctions, OfCameras) {
   }
 }
 
+// What a wide spread costs a large scene, where all inverse depths are near their mean.
+TEST(DepthResidual, OfARelativeSpreadIsTheSameInAWorldOfAnySize) {
+  const DepthSpread fixed{0.1, 0.0}, relative{0.1, 0.3};
+  EXPECT_EQ(depth_residual(relative, 0.5, 0.3).r, depth_residual(fixed, 0.5, 0.3).r);
+  EXPECT_EQ(depth_residual(relative, 0.3, 0.3).J_mean, depth_residual(fixed, 0.3, 0.3).J_mean);
+  for (const double size : {0.1, 0.5, 3.0, 50.0}) {
+    EXPECT_NEAR(depth_residual(relative, 0.5 / size, 0.3 / size).r, 2.0, 1e-12);
+    EXPECT_NEAR(depth_residual(fixed, 0.5 / size, 0.3 / size).r, 2.0 / size, 1e-12);
+  }
+}
+
 TEST_F(CostFunctions, OfStaticLandmarks) {
   for (int k = 0; k < 200; ++k) {
     const auto points = point_table();
@@ -105,11 +116,15 @@ TEST_F(CostFunctions, OfStaticLandmarks) {
     expect_gradients(*pixel_cost(models, {{300, 200}, true}), {pose[1], y});
     BirthPrior birth;
     birth.inverse_depth = 0.3;
-    birth.sigma = 0.1;
+    birth.spread.sigma = 0.1;
     birth.kind = BirthPrior::Kind::kDepth;
     expect_gradients(*birth_cost(models.point(), birth), {y});
     birth.kind = BirthPrior::Kind::kSharedDepth;
     expect_gradients(*birth_cost(models.point(), birth), {y, SmallVector::Constant(1, 0.25)});
+    birth.spread.about = 0.4;
+    for (const double mean : {0.25, 0.4, 0.9, 0.003, -0.1}) {  // and where the spread is the least
+      expect_gradients(*birth_cost(models.point(), birth), {y, SmallVector::Constant(1, mean)});
+    }
     birth.kind = BirthPrior::Kind::kKnown;
     birth.known = {1, normals(3, 2.0), 0.1};
     expect_gradients(*birth_cost(models.point(), birth), {anchor, y});

@@ -159,7 +159,7 @@ TEST_P(LandmarkAddedSince, HasItsMarginal) {
   const LandmarkId id = graph.add_landmark(scene.newest().position, {0.1, 0.2, 0.3});
   GraphLandmark& l = graph[id];
   l.birth.kind = BirthPrior::Kind::kSharedDepth;
-  l.birth.sigma = 0.1;
+  l.birth.spread.sigma = 0.1;
   l.birth.scene = graph.scene->scene;
   graph.add_pixel(id, scene.newest(), {330.0, 250.0}, 0);
   if (is_free) graph.free_landmark(id, MotionVector::Constant(3, 0.4));
