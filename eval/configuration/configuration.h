@@ -28,7 +28,7 @@ struct MotionConfiguration {
 };
 
 // sigma_rho of a landmark's prior as its mean is corrected: the same, or in proportion to the mean.
-// Auto: in proportion where the sequence does not state depths as known.
+// Auto: in proportion where neither sequence nor user states depths, or the sequence a mean_sigma.
 enum class PriorSpread { kAuto, kFixed, kRelative };
 inline constexpr Choice<PriorSpread> kPriorSpreads[] = {{"auto", PriorSpread::kAuto},
                                                         {"fixed", PriorSpread::kFixed},

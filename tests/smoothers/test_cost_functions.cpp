@@ -95,7 +95,7 @@ TEST_F(CostFunctions, OfCameras) {
   }
 }
 
-// What a wide spread costs a large scene, where all inverse depths are near their mean.
+// A fixed spread costs a large scene less, where all inverse depths are near their mean.
 TEST(DepthResidual, OfARelativeSpreadIsTheSameInAWorldOfAnySize) {
   const DepthSpread fixed{0.1, 0.0}, relative{0.1, 0.3};
   EXPECT_EQ(depth_residual(relative, 0.5, 0.3).r, depth_residual(fixed, 0.5, 0.3).r);
