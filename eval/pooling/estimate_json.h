@@ -7,6 +7,7 @@
 
 #include "estimation/estimator.h"
 #include "eval/metrics/metric.h"
+#include "eval/output/metrics_json.h"
 #include "eval/statistics/bootstrap.h"
 #include "eval/statistics/statistics.h"
 
@@ -25,12 +26,19 @@ inline Estimate pool(const std::vector<double>& samples, Pooled how) {
   return bootstrap(samples, how == Pooled::kRootMeanSquare ? root_mean_square : mean);
 }
 
-// Sum and count of a mean NEES over `count` samples. One that is null over some samples was
-// infinite: a covariance was not positive definite.
+// A NEES, or a mean of some. One that is null was infinite: a covariance was not positive definite.
+// Throws a JSON error where it is negative.
+inline double nees_number(const nlohmann::ordered_json& json) {
+  const double nees = json.is_number() ? json.get<double>() : INFINITY;
+  if (nees >= 0.0) return nees;
+  throw nlohmann::ordered_json::other_error::create(501, "a NEES is negative", &json);
+}
+
+// Sum and count of a mean NEES over `count` samples.
 inline RunSum run_sum(const nlohmann::ordered_json& mean, const nlohmann::ordered_json& count) {
-  const double n = number(count);
+  const double n = count_of(count);
   if (n == 0.0) return {};
-  return {mean.is_number() ? n * number(mean) : INFINITY, n};
+  return {n * nees_number(mean), n};
 }
 
 }  // namespace slammot

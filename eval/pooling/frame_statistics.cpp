@@ -26,6 +26,9 @@ struct CameraPart {
 constexpr CameraPart kCameraParts[] = {{"pose", 0, 6}, {"position", 0, 3}, {"rotation", 3, 3}};
 constexpr const char* kLandmarkParts[] = {"landmark_position", "landmark_velocity"};
 
+// A NEES that is not finite belongs to a covariance that is not positive definite.
+double finite_or_infinite(double nees) { return std::isnan(nees) ? INFINITY : nees; }
+
 double inside(double lower, double x, double upper) {
   if (std::isnan(lower)) return kUndefined;
   return lower <= x && x <= upper ? 1.0 : 0.0;
@@ -53,8 +56,6 @@ class Rows {
 };
 
 }  // namespace
-
-double finite_or_infinite(double nees) { return std::isnan(nees) ? INFINITY : nees; }
 
 Json judged_frames(const Sequence& sequence, const std::vector<PosePair>& pairs) {
   Json json = frames_json(sequence.exact_truth ? pairs : aligned(pairs));
@@ -102,7 +103,7 @@ void FrameStatistics::add(const Json& frames) {
     const std::string key = std::string("nees_") + part.name;
     if (!frames.contains(key) || frames.at(key).empty()) continue;
     RunSum run;
-    for (const Json& x : frames.at(key)) run.sum += finite_or_infinite(number(x));
+    for (const Json& x : frames.at(key)) run.sum += nees_number(x);
     run.count = static_cast<double>(frames.at(key).size());
     run_sums_[part.name].push_back(run);
   }

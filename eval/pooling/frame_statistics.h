@@ -25,9 +25,6 @@ nlohmann::ordered_json frames_json(const std::vector<PosePair>& pairs);
 // without any covariance has no NEES either.
 nlohmann::ordered_json judged_frames(const Sequence& sequence, const std::vector<PosePair>& pairs);
 
-// A NEES that is not finite belongs to a covariance that is not positive definite.
-double finite_or_infinite(double nees);
-
 class FrameStatistics {
  public:
   // `frames` or `smoothed_frames` of one run (docs/formats.md); without NEES where truth is

@@ -8,8 +8,13 @@
 
 namespace slammot {
 
-double effective_samples(const std::vector<double>& series) {
+double effective_samples(std::vector<double> series) {
   const auto n = series.size();
+  double largest = 0.0;  // their squares shall not overflow
+  for (const double x : series) largest = std::max(largest, std::abs(x));
+  if (largest > 0.0) {
+    for (double& x : series) x /= largest;
+  }
   const double m = mean(series);
   const auto autocovariance = [&](std::size_t lag) {
     double sum = 0.0;
@@ -25,7 +30,8 @@ double effective_samples(const std::vector<double>& series) {
     correlations += pair;
   }
   const auto count = static_cast<double>(n);
-  return std::clamp(count / (2.0 * correlations), 1.0, count);
+  // Those that alternate are not worth more than independent ones.
+  return std::max(count / std::max(2.0 * correlations, 1.0), 1.0);
 }
 
 RunNees run_nees(const std::vector<double>& series, int dof, double probability) {

@@ -10,7 +10,7 @@ namespace slammot {
 // How many independent samples say as much about their mean as these correlated ones:
 // n / (1 + 2 sum of autocorrelations), summed in pairs as long as a pair is positive (Geyer 1992).
 // At least 1, at most n.
-double effective_samples(const std::vector<double>& series);
+double effective_samples(std::vector<double> series);
 
 // The mean of a run's NEES over its frames.
 struct RunNees {

@@ -37,6 +37,28 @@ TEST(EffectiveSamples, AreThoseOfTheory) {
   EXPECT_NEAR(effective_samples(consistent(20000, 0.9, 2)) / 20000, (1 - r) / (1 + r), 0.03);
 }
 
+TEST(EffectiveSamples, OfAlternatingNumbersAreAtMostTheirNumber) {
+  EXPECT_EQ(effective_samples({1.0, -1.0, 1.0, -1.0}), 4.0);
+  EXPECT_EQ(effective_samples({0.0, 1.0, 0.0}), 3.0);
+}
+
+TEST(EffectiveSamples, OfHugeNumbersAreDefined) {
+  EXPECT_EQ(effective_samples({11.3, 1e300, 4.4}), 3.0);
+  EXPECT_EQ(effective_samples({1e300, 1e300, 0.0, 0.0}), effective_samples({1.0, 1.0, 0.0, 0.0}));
+  EXPECT_TRUE(run_nees({11.3, 1e300, 4.4}, 6).exceeds());
+}
+
+TEST(RunNees, OfALineThatHasANegativeOneIsRefused) {
+  nlohmann::ordered_json frames = {{"frame", {1}}};
+  for (const char* key : {"position_error_m", "rotation_error_deg", "nees_pose", "nees_position",
+                          "nees_rotation", "position_sigma_m"}) {
+    frames[key] = {1.0};
+  }
+  EXPECT_NO_THROW(FrameStatistics().add(frames));
+  frames["nees_pose"] = {-1e300};
+  EXPECT_THROW(FrameStatistics().add(frames), nlohmann::ordered_json::exception);
+}
+
 TEST(RunNees, OfAConsistentRunIsAllowed) {
   int exceeding = 0;
   for (unsigned seed = 0; seed < 400; ++seed) {

@@ -90,6 +90,23 @@ Files journal() {
 }
 
 // A study of one run, which is made here.
+// Numbers with `digits`: the same text on every machine, so that a mutation that does harm does it
+// everywhere.
+nlohmann::ordered_json rounded(nlohmann::ordered_json json, int digits) {
+  if (json.is_number_float()) return std::stod(fmt::format("{:.{}g}", json.get<double>(), digits));
+  if (!json.is_structured()) return json;
+  for (auto& element : json) element = rounded(element, digits);
+  return json;
+}
+
+// Every duration as 1 ms or 1 s.
+nlohmann::ordered_json without_clock(nlohmann::ordered_json timing) {
+  if (timing.is_number_float()) return 1.0;
+  if (!timing.is_structured()) return timing;
+  for (auto& element : timing) element = without_clock(element);
+  return timing;
+}
+
 Files study_results() {
   static const Files files = [] {
     const Path folder = std::filesystem::temp_directory_path();
@@ -105,7 +122,8 @@ Files study_results() {
     const nlohmann::ordered_json head = {
         {"journal",
          {{"version", ""}, {"program", ""}, {"configuration", identity_of(study).configuration}}}};
-    const nlohmann::ordered_json line = {{"result", run.result}, {"timing", run.timing}};
+    const nlohmann::ordered_json line = {{"result", rounded(run.result, 5)},
+                                         {"timing", without_clock(run.timing)}};
     return Files{{"study.yaml", text},
                  {"journal-1-of-1.jsonl", head.dump() + '\n' + line.dump() + '\n'}};
   }();

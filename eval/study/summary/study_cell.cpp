@@ -69,8 +69,8 @@ void CellSummary::add_frames(std::uint64_t seed, const Json& frames) {
   sigmas.push_back(0.0);  // of the first frame, a pin: an RMSE counts it too
   stated_sigma_[seed] = root_mean_square(sigmas);
   if (!frames.contains("nees_pose")) return;
-  std::vector<double> nees = numbers(frames["nees_pose"]);
-  for (double& x : nees) x = finite_or_infinite(x);
+  std::vector<double> nees;
+  for (const Json& value : frames["nees_pose"]) nees.push_back(nees_number(value));
   pose_nees_[seed] = mean(nees);
   const RunNees of_run = run_nees(nees, kPoseDof);
   run_nees_[seed] = {of_run, of_run.began ? frames.at("frame").at(*of_run.began) : Json()};
