@@ -60,6 +60,7 @@ void render_images(const SimulateArguments& arguments) {
 void execute(const SimulateArguments& arguments) {
   require_output(arguments.output, kSequenceOutput, arguments.force);
   require_own_files(arguments.output);
+  if (arguments.render) require_own_room(arguments.output);
   require_writable_folder(arguments.output);
   if (arguments.render) return render_images(arguments);
   if (arguments.scenario.scenario.empty()) throw std::invalid_argument("which SCENARIO?");

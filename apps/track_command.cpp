@@ -115,7 +115,7 @@ void state_known(const Path& file, Sequence& sequence) {
 
 // How the measurements were made: track.yaml, for people.
 void write_description(const TrackArguments& arguments, const TrackedImages& tracked) {
-  write_file(Path(arguments.output) / "track.yaml",
+  write_file(Path(arguments.output) / kTrackingOutput.mark,
              fmt::format("version: \"{}\"\ncommand: \"{}\"\nframes: {}\nframes_skipped: {}\n"
                          "tracks: {}\npixel_sigma: \"{}\"\n",
                          version_text(), command_line(), tracked.sequence.frames.size(),
@@ -130,6 +130,7 @@ int execute(TrackArguments arguments) {
   Sequence images = read_images(arguments.images);
   require_output(arguments.output, kSequenceOutput, arguments.force, arguments.images);
   require_own_files(arguments.output);
+  require_own_mark(arguments.output, kTrackingOutput);
   require_writable_folder(arguments.output);
   if (!arguments.camera.empty()) {
     images.camera = read_camera_file(arguments.camera, read_text_file(arguments.camera));

@@ -3,6 +3,7 @@
 #include "datasets/native/native_format.h"
 #include "datasets/native/native_settings.h"
 #include "datasets/native/native_tables.h"
+#include "datasets/output/output_files.h"
 #include "datasets/sequence/sha256.h"
 #include "datasets/text/text_table.h"
 
@@ -73,6 +74,7 @@ void read_first_camera(Folder& folder, Sequence& sequence) {
 }  // namespace
 
 Sequence read_native(const std::filesystem::path& path) {
+  require_whole(path);
   Folder folder(path);
   Sequence sequence = settings_and_frames(folder, path);
   const Source observations = observations_of(folder, sequence);
@@ -87,6 +89,7 @@ Sequence read_native(const std::filesystem::path& path) {
 }
 
 Sequence read_native_images(const std::filesystem::path& path) {
+  require_whole(path);
   Folder folder(path);
   Sequence sequence = settings_and_frames(folder, path);
   if (sequence.images.empty()) {

@@ -7,12 +7,15 @@
 #include <cstring>
 #include <fstream>
 
+#include "datasets/text/input_error.h"
+
 namespace slammot {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr std::string_view kUnfinished = ".unfinished";
+constexpr std::string_view kReplacing = ".slammot-replacing";  // stands while files are renamed
 
 [[noreturn]] void refuse(const fs::path& file, int error) {
   throw std::runtime_error(fmt::format("{}: cannot be written: {}", file.string(),
@@ -61,6 +64,10 @@ void OutputFiles::write(const fs::path& file, std::string_view text) {
 }
 
 void OutputFiles::put_in_place() {
+  const bool several = files_.size() + left_out_.size() > 1 && !files_.empty();
+  const fs::path replacing =
+      several ? files_.front().second.parent_path() / kReplacing : fs::path();
+  if (several) write_checked(replacing, replacing, [](std::ostream&) {});
   for (const auto& [unfinished, file] : files_) {
     std::error_code error;
     fs::rename(unfinished, file, error);
@@ -68,6 +75,7 @@ void OutputFiles::put_in_place() {
   }
   files_.clear();
   for (const fs::path& file : left_out_) fs::remove(file);
+  if (several) fs::remove(replacing);
 }
 
 void write_file(const fs::path& file, const std::function<void(std::ostream&)>& write) {
@@ -80,6 +88,13 @@ void write_file(const fs::path& file, std::string_view text) {
   OutputFiles files;
   files.write(file, text);
   files.put_in_place();
+}
+
+void require_whole(const fs::path& folder) {
+  if (!fs::exists(folder / kReplacing)) return;
+  throw InputError(folder, 0,
+                   "its files were being replaced when a program was stopped, and may be of two "
+                   "outputs: write it again");
 }
 
 bool is_unfinished(const fs::path& file) {

@@ -26,7 +26,8 @@ class OutputFiles {
   // Not part of this output; an earlier one is removed.
   void leave_out(std::filesystem::path file) { left_out_.push_back(std::move(file)); }
 
-  // Renames and removes, in the order of the calls.
+  // Renames and removes, in the order of the calls. Several files are of one folder: one that is
+  // left between two of them, by a kill or an error, is known by require_whole().
   void put_in_place();
 
  private:
@@ -37,6 +38,10 @@ class OutputFiles {
 // One file alone.
 void write_file(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write);
 void write_file(const std::filesystem::path& file, std::string_view text);
+
+// Throws InputError if files of this folder were being replaced when a program was stopped: some
+// may be of the earlier output, some of the later. Writing again makes it whole.
+void require_whole(const std::filesystem::path& folder);
 
 // Whether this is the name of a file that was being written when a program was killed.
 bool is_unfinished(const std::filesystem::path& file);

@@ -27,6 +27,11 @@ bool is_own(const fs::path& folder, const OutputKind& kind) {
   return beginning == kind.begins;
 }
 
+void require_own_mark(const fs::path& folder, const OutputKind& kind) {
+  if (!fs::exists(folder / kind.mark) || is_own(folder, kind)) return;
+  refuse(folder / kind.mark, "was not written by this program, and is not replaced");
+}
+
 bool is_vacant(const fs::path& folder) {
   if (!fs::exists(folder)) return true;
   const fs::directory_iterator entries(folder);

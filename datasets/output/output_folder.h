@@ -15,6 +15,10 @@ struct OutputKind {
 };
 
 inline constexpr OutputKind kSequenceOutput{"a sequence", "sequence.yaml", "# written by slammot"};
+// Beside a sequence, in the same folder: how it was tracked, or rendered.
+inline constexpr OutputKind kTrackingOutput{"a description of tracking", "track.yaml",
+                                            "version: \""};
+inline constexpr OutputKind kRoomOutput{"a rendered room", "room.yaml", "format: slammot-room-1"};
 inline constexpr OutputKind kRunOutput{"a run", "run.yaml", "format: slammot-run-1"};
 inline constexpr OutputKind kComparisonOutput{"a comparison", "compare.json",
                                               "{\n \"format\": \"slammot-compare-1\""};
@@ -31,6 +35,9 @@ inline constexpr std::string_view kHidden = ".slammot-";
 // output of this kind to be replaced. `input` is never replaced.
 void require_output(const std::filesystem::path& folder, const OutputKind& kind, bool replace,
                     const std::filesystem::path& input = {});
+
+// Throws std::invalid_argument if a file with the mark's name is there and somebody else's.
+void require_own_mark(const std::filesystem::path& folder, const OutputKind& kind);
 
 // Whether the mark is there.
 bool is_own(const std::filesystem::path& folder, const OutputKind& kind);

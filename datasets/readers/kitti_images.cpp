@@ -44,14 +44,14 @@ std::optional<Path> poses_file(const Sequence& sequence) {
   return std::nullopt;
 }
 
-std::optional<std::vector<double>> calibration_row(const Path& file, std::string_view text,
-                                                   std::string_view key, size_t numbers) {
+std::optional<CalibrationRow> calibration_row(const Path& file, std::string_view text,
+                                              std::string_view key, size_t numbers) {
   TextTable table(file, text);
   while (table.next_blank_row()) {
     if (table.field(0) != std::string(key) + ":") continue;
     table.check_count(numbers + 1);
-    std::vector<double> row;
-    for (size_t i = 1; i <= numbers; ++i) row.push_back(table.bounded(i));
+    CalibrationRow row{{}, table.line()};
+    for (size_t i = 1; i <= numbers; ++i) row.numbers.push_back(table.bounded(i));
     return row;
   }
   return std::nullopt;
@@ -60,17 +60,17 @@ std::optional<std::vector<double>> calibration_row(const Path& file, std::string
 }  // namespace
 
 RectifiedCamera rectified_camera(const Path& file, const std::string& key) {
-  const auto P = required_calibration(file, key, 12);
+  const auto [P, line] = required_calibration(file, key, 12);
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(P.data());
   const Camera camera{0, 0, P[0], P[5], P[2], P[6], PinholeLens{}};
-  if (const Fault fault = camera_fault(camera)) throw InputError(file, 0, key + ": " + *fault);
+  if (const Fault fault = camera_fault(camera)) throw InputError(file, line, key + ": " + *fault);
   if (!(std::abs(matrix.leftCols<3>().determinant()) > kSmallest)) {
-    throw InputError(file, 0, key + ": the matrix has no inverse");
+    throw InputError(file, line, key + ": the matrix has no inverse");
   }
   return {camera, matrix.leftCols<3>().inverse() * matrix.col(3)};
 }
 
-std::vector<double> required_calibration(const Path& file, const std::string& key, size_t numbers) {
+CalibrationRow required_calibration(const Path& file, const std::string& key, size_t numbers) {
   const auto row = calibration_row(file, read_text_file(file), key, numbers);
   if (!row) throw InputError(file, 0, fmt::format("no row '{}:'", key));
   return *row;

@@ -18,9 +18,15 @@ namespace slammot {
 bool is_kitti(const std::filesystem::path& folder);
 Sequence read_kitti(const std::filesystem::path& folder);
 
-// A row of a KITTI calibration file, `KEY: numbers`; throws InputError if the key is not there.
-std::vector<double> required_calibration(const std::filesystem::path& file, const std::string& key,
-                                         size_t numbers);
+// A row of a KITTI calibration file, `KEY: numbers`.
+struct CalibrationRow {
+  std::vector<double> numbers;
+  int line = 0;
+};
+
+// Throws InputError if the key is not there.
+CalibrationRow required_calibration(const std::filesystem::path& file, const std::string& key,
+                                    size_t numbers);
 
 // A rectified camera from its 3x4 projection matrix, the row `key` of a calibration file, and its
 // place t in x_N = x_0 + t.

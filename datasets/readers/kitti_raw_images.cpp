@@ -31,22 +31,23 @@ std::optional<Path> calibration_file(const Path& folder, const char* name) {
 }
 
 Eigen::Matrix3d rotation(const Path& file, const std::string& key) {
-  const auto rows = required_calibration(file, key, 9);
+  const auto [rows, line] = required_calibration(file, key, 9);
   Eigen::Matrix3d R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
-  if (!is_rotation(R)) throw InputError(file, 0, key + ": not a rotation");
+  if (!is_rotation(R)) throw InputError(file, line, key + ": not a rotation");
   return R;
 }
 
-int whole_pixels(const Path& file, double size) {
+int whole_pixels(const Path& file, int line, double size) {
   if (size >= 1.0 && size <= 1e5 && size == std::floor(size)) return static_cast<int>(size);
-  throw InputError(file, 0, fmt::format("{} px is no size of an image", size));
+  throw InputError(file, line, fmt::format("{} px is no size of an image", size));
 }
 
 // `R:` and `T:` of a rigid calibration file.
 Eigen::Isometry3d rigid(const Path& file) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = rotation(file, "R");
-  T.translation() = Eigen::Map<const Eigen::Vector3d>(required_calibration(file, "T", 3).data());
+  T.translation() =
+      Eigen::Map<const Eigen::Vector3d>(required_calibration(file, "T", 3).numbers.data());
   return T;
 }
 
@@ -85,10 +86,10 @@ Sequence read_kitti_raw(const Path& folder) {
   const Path cameras = *calibration_file(folder, kCameras);
   const RectifiedCamera rectified = rectified_camera(cameras, fmt::format("P_rect_0{}", camera));
   sequence.camera = rectified.camera;
-  const auto size = required_calibration(cameras, fmt::format("S_rect_0{}", camera), 2);
-  sequence.camera.width = whole_pixels(cameras, size[0]);
-  sequence.camera.height = whole_pixels(cameras, size[1]);
-  if (const Fault fault = camera_fault(sequence.camera)) throw InputError(cameras, 0, *fault);
+  const auto [size, line] = required_calibration(cameras, fmt::format("S_rect_0{}", camera), 2);
+  sequence.camera.width = whole_pixels(cameras, line, size[0]);
+  sequence.camera.height = whole_pixels(cameras, line, size[1]);
+  if (const Fault fault = camera_fault(sequence.camera)) throw InputError(cameras, line, *fault);
   sequence.truth = camera_truth(sequence, cameras, rectified.offset);
   state_car(sequence);
   return sequence;

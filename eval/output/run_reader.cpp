@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 
+#include "datasets/output/output_files.h"
 #include "datasets/sequence/plausible.h"
 #include "datasets/text/number.h"
 #include "datasets/text/yaml_map.h"
@@ -121,13 +123,23 @@ std::vector<StageTime> read_timing(const Path& file) {
   return timing;
 }
 
+// Its message, without the library's name for the kind of it.
+std::string reason_of(const nlohmann::json::exception& error) {
+  const std::string_view what = error.what();
+  return std::string(what.substr(std::min(what.find("] ") + 2, what.size())));
+}
+
 void read_metrics(const Path& file, RunResult& run) {
   if (!std::filesystem::exists(file)) return;
   const std::string text = read_text_file(file);
   try {
     restore_totals(nlohmann::ordered_json::parse(text), run);
+  } catch (const nlohmann::json::parse_error& error) {
+    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
+    throw InputError(file, 1 + static_cast<int>(std::count(text.begin(), end, '\n')),
+                     "no JSON from here on");
   } catch (const nlohmann::json::exception& error) {
-    throw InputError(file, 0, error.what());
+    throw InputError(file, 0, reason_of(error));
   }
 }
 
@@ -177,6 +189,7 @@ void read_description(const Path& file, StoredRun& stored) {
 }  // namespace
 
 StoredRun read_run(const Path& folder) {
+  require_whole(folder);
   StoredRun stored;
   RunResult& run = stored.run;
   read_description(folder / run_files::kDescription, stored);

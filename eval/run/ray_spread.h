@@ -4,13 +4,14 @@
 #pragma once
 
 #include "datasets/sequence/sequence.h"
+#include "estimation/estimator.h"
 
 namespace slammot {
 
-// Of the rays to the static landmarks used in `frame`: root mean square angle to the plane through
-// the camera that fits them best, times fx, in the sequence's pixel_sigma; near the optical axis
-// the distance in the image. NaN where there are none, or not all can be unprojected.
-double ray_spread(const Sequence& sequence, const Frame& frame,
+// Of the pixels of the static landmarks used in `frame`: root mean square distance to the image of
+// the plane through the camera that fits their rays best, in `pixel_sigma`; through the lens, to
+// first order. NaN where there are none, or not all can be unprojected.
+double ray_spread(const Camera& camera, double pixel_sigma, const Frame& frame,
                   const std::vector<LandmarkEstimate>& measured);
 
 }  // namespace slammot

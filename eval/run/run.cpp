@@ -94,7 +94,8 @@ void drive_frame(const Sequence& sequence, const Frame& frame, Estimator& estima
   add_to(result.totals, result.counts.back());
   history.retire(frame.index, report.retired);  // before a track may begin anew
   const std::vector<LandmarkEstimate> measured = estimator.landmarks_measured(frame.index);
-  result.ray_spread.push_back(ray_spread(sequence, frame, measured));
+  result.ray_spread.push_back(ray_spread(
+      sequence.camera, options.pixel_sigma.value_or(sequence.pixel_sigma), frame, measured));
   history.add(frame.index, measured);
   if (!options.landmarks_every_frame) return;
   for (const LandmarkEstimate& landmark : estimator.landmarks()) {
@@ -157,12 +158,10 @@ Prepared prepare(const Sequence& sequence, Configuration configuration, const st
   return {configuration, row.make(setup, configuration)};
 }
 
-}  // namespace
-
-namespace {
-
-DriveOptions with_kind(DriveOptions options, const std::string& estimator) {
+DriveOptions options_of(const Prepared& prepared, const std::string& estimator,
+                        DriveOptions options) {
   options.batch = is_batch(estimator);
+  options.pixel_sigma = prepared.configuration.pixel_sigma;
   return options;
 }
 
@@ -175,7 +174,7 @@ EvaluatedRun run_and_evaluate(const Sequence& sequence, const Configuration& con
   EvaluatedRun done;
   done.configuration = prepared.configuration;
   done.from_sequence = differing_keys(configuration, prepared.configuration);
-  done.run = drive(sequence, *prepared.estimator, with_kind(options, estimator));
+  done.run = drive(sequence, *prepared.estimator, options_of(prepared, estimator, options));
   done.metrics =
       compute_metrics(sequence, done.run, prepared.configuration.model.gate.probability, table);
   return done;
@@ -183,8 +182,8 @@ EvaluatedRun run_and_evaluate(const Sequence& sequence, const Configuration& con
 
 RunResult run_estimator(const Sequence& sequence, const Configuration& configuration,
                         const std::string& estimator, const DriveOptions& options) {
-  return drive(sequence, *prepare(sequence, configuration, estimator).estimator,
-               with_kind(options, estimator));
+  const Prepared prepared = prepare(sequence, configuration, estimator);
+  return drive(sequence, *prepared.estimator, options_of(prepared, estimator, options));
 }
 
 std::optional<std::string> warning_about(const Sequence& sequence,

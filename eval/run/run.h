@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "datasets/sequence/sequence.h"
@@ -20,7 +21,9 @@ struct DriveOptions {
   std::function<void(int done, int total)> progress;  // after each frame; may be empty
   bool landmarks_every_frame = false;
   CheckRotation check_rotation;  // of what is judged; may be empty
-  bool batch = false;            // see RunResult; of the registry's estimators it is known
+  // Of the registry's estimators these two are known.
+  bool batch = false;                      // see RunResult
+  std::optional<double> pixel_sigma = {};  // of the estimator; that of the sequence, if empty
 };
 
 // Gives all frames of the sequence to the estimator. Divergence ends the run, whether the estimator

@@ -38,7 +38,7 @@ class Reader {
     const auto scenarios = named(top, "scenarios", "scenario");
     const auto estimators = named(top, "estimators", "estimator");
     Settings all;
-    if (top.has("configuration")) all = settings(top.take("configuration"), "configuration");
+    if (top.has("configuration")) all = assignments(top.take("configuration"), "configuration");
     const auto sweep = swept(top);
     read_record(top, study);
     read_figures(top, study);
@@ -75,6 +75,30 @@ class Reader {
     return result;
   }
 
+  // Of keys of the configuration, each tried.
+  Settings assignments(const YAML::Node& node, const std::string& what) const {
+    Settings result = settings(node, what);
+    for (const auto& pair : node) try_assignment(pair.second, pair.first.Scalar());
+    return result;
+  }
+
+  void try_assignment(const YAML::Node& value, const std::string& key) const {
+    try {
+      Configuration scratch;
+      assign(scratch, {key, value.Scalar()});
+    } catch (const std::invalid_argument& error) {
+      refuse(value, error.what());
+    }
+  }
+
+  void try_estimator(const YAML::Node& at, const std::string& name) const {
+    try {
+      find_estimator(name);
+    } catch (const std::invalid_argument& error) {
+      refuse(at, error.what());
+    }
+  }
+
   std::vector<NamedSettings> named(YamlMap& top, const std::string& list, const std::string& kind) {
     const YAML::Node node = top.take(list);
     if (!node.IsSequence() || node.size() == 0) {
@@ -89,8 +113,12 @@ class Reader {
       row.name = row.recorded ? folder_of(map.text("sequence")) : map.text(kind);
       const std::string name =
           row.recorded ? std::filesystem::path(row.name).filename().string() : row.name;
+      if (kind == "estimator") try_estimator(item, row.name);
       row.label = map.has("label") ? map.text("label") : name;
-      if (map.has("set")) row.settings = settings(map.take("set"), "set");
+      if (map.has("set")) {
+        const YAML::Node set = map.take("set");
+        row.settings = kind == "estimator" ? assignments(set, "set") : settings(set, "set");
+      }
       map.finish();
       if (row.label.find(',') != std::string::npos) {
         refuse(item, "the label '" + row.label + "' has a comma, which separates swept values");
@@ -117,7 +145,10 @@ class Reader {
       if (!pair.second.IsSequence() || pair.second.size() == 0) {
         refuse(pair.second, fmt::format("'{}' must be a list of values", key.key));
       }
-      for (const auto& value : pair.second) key.values.push_back(scalar(value, key.key));
+      for (const auto& value : pair.second) {
+        key.values.push_back(scalar(value, key.key));
+        if (!is_of_scenario(key.key)) try_assignment(value, key.key);
+      }
       result.push_back(std::move(key));
     }
     return result;

@@ -46,7 +46,7 @@ StudyCell cell_of(const NamedSettings& scenario, const Settings& values,
   for (const auto& [key, value] : all) assign(cell.configuration, {key, value});
   for (const auto& [key, value] : values) {
     cell.group += fmt::format(", {} = {}", key, value);
-    if (key.starts_with(kScenarioPrefix)) {
+    if (is_of_scenario(key)) {
       cell.scene[key.substr(kScenarioPrefix.size())] = value;
     } else {
       assign(cell.configuration, {key, value});
@@ -57,6 +57,8 @@ StudyCell cell_of(const NamedSettings& scenario, const Settings& values,
 }
 
 }  // namespace
+
+bool is_of_scenario(std::string_view key) { return key.starts_with(kScenarioPrefix); }
 
 std::vector<StudyCell> cross(const std::vector<NamedSettings>& scenarios,
                              const std::vector<SweptKey>& sweep,

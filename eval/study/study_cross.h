@@ -20,6 +20,8 @@ struct SweptKey {
   std::vector<std::string> values;
 };
 
+bool is_of_scenario(std::string_view key);
+
 // In this order, estimators fastest; `all` is set for every one. Throws std::invalid_argument for
 // more than 100,000 combinations, and for an unknown estimator or key or a bad value.
 std::vector<StudyCell> cross(const std::vector<NamedSettings>& scenarios,

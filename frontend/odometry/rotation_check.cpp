@@ -43,11 +43,10 @@ std::vector<RotationSpan> check_rotation(const Sequence& sequence,
     const Eigen::Matrix3d R =
         (cameras[span.last].state.orientation.conjugate() * cameras[first].state.orientation)
             .toRotationMatrix();
-    spans.push_back(
-        {sequence.frames[first].index, sequence.frames[span.last].index,
-         explained(span.matches, sigma, *five_point),
-         explained(span.matches, sigma, with_rotation(span.matches, sigma, *five_point, R)),
-         Eigen::AngleAxisd(R.transpose() * five_point->R).angle()});
+    spans.push_back({sequence.frames[first].index, sequence.frames[span.last].index,
+                     explained(span.matches, sigma, *five_point),
+                     explained(span.matches, sigma, with_rotation(span.matches, sigma, R)),
+                     Eigen::AngleAxisd(R.transpose() * five_point->R).angle()});
   }
   return spans;
 }

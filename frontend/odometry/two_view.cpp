@@ -17,6 +17,7 @@ constexpr double kNormalMedian = 1.4826;  // sigma over the median of |d|
 constexpr double kConfidence = 0.999;     // of RANSAC
 constexpr int kRounds = 4;                // of finding the inliers anew ...
 constexpr int kSteps = 4;                 // ... and Gauss-Newton steps in each
+constexpr std::size_t kMostPairs = 400;   // that are tried for a translation
 constexpr double kLongestStep = 0.3;      // [rad] without translation t is not observable
 
 using Vector5d = Eigen::Matrix<double, 5, 1>;
@@ -109,6 +110,28 @@ std::optional<TwoView> ransac(const RayMatches& m, double sigma) {
   return pose;
 }
 
+// The translation of two matches that explains the most. Pairs are taken in equal steps of all
+// there are: no inliers of another pose decide, which may be those of an object.
+TwoView best_of_pairs(const RayMatches& m, double sigma, const Eigen::Matrix3d& R) {
+  const std::size_t n = m.first.size();
+  const std::size_t step = std::max<std::size_t>(n * (n - 1) / 2 / kMostPairs, 1);
+  TwoView best;
+  best.R = R;
+  std::size_t pair = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector3d across_i = (R * m.first[i]).cross(m.second[i]);
+    for (std::size_t j = i + 1; j < n; ++j) {
+      if (pair++ % step != 0) continue;
+      const Eigen::Vector3d t = across_i.cross((R * m.first[j]).cross(m.second[j]));
+      if (!(t.norm() > 0.0)) continue;
+      TwoView pose{R, t.normalized(), {}};
+      find_inliers(m, sigma, pose);
+      if (pose.inliers.size() > best.inliers.size()) best = pose;
+    }
+  }
+  return best;
+}
+
 // With -t all depths change their signs.
 void put_points_in_front(const RayMatches& m, TwoView& pose) {
   const auto in_front = std::ranges::count_if(pose.inliers, [&](std::size_t i) {
@@ -169,12 +192,10 @@ std::optional<TwoView> relative_pose(const RayMatches& matches, double sigma) {
   return pose;
 }
 
-// Where R is held, x2' [t]x R x1 is linear in t: the eigenvector of the least eigenvalue.
-TwoView with_rotation(const RayMatches& matches, double sigma, const TwoView& pose,
-                      const Eigen::Matrix3d& R) {
-  TwoView held = pose;
-  held.R = R;
-  for (int round = 0; round < kRounds; ++round) {
+// Where R is held, x2' [t]x R x1 is linear in t, and two matches determine it.
+TwoView with_rotation(const RayMatches& matches, double sigma, const Eigen::Matrix3d& R) {
+  TwoView held = best_of_pairs(matches, sigma, R);
+  for (int round = 0; round < kRounds && held.inliers.size() >= kLeastMatches; ++round) {
     const Eigen::Matrix3d E = hat(held.t) * R;
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (const std::size_t i : held.inliers) {
@@ -183,11 +204,12 @@ TwoView with_rotation(const RayMatches& matches, double sigma, const TwoView& po
       sum += c * c.transpose() / squared_gradient(E * x1, E.transpose() * x2);
     }
     if (!sum.allFinite()) break;
-    held.t = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvectors().col(0);
     TwoView next = held;
+    // The eigenvector of the least eigenvalue.
+    next.t = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvectors().col(0);
     find_inliers(matches, sigma, next);
-    if (next.inliers.size() < kLeastMatches) break;
-    held.inliers = next.inliers;
+    if (next.inliers.size() < held.inliers.size()) break;
+    held = next;
   }
   return held;
 }

@@ -43,9 +43,8 @@ struct TwoView {
 // `sigma`: ray_sigma(). Nothing where too few agree.
 std::optional<TwoView> relative_pose(const RayMatches& matches, double sigma);
 
-// The translation that suits another rotation best, found from the inliers of `pose`.
-TwoView with_rotation(const RayMatches& matches, double sigma, const TwoView& pose,
-                      const Eigen::Matrix3d& R);
+// With the translation that suits this rotation best. Without inliers where none does.
+TwoView with_rotation(const RayMatches& matches, double sigma, const Eigen::Matrix3d& R);
 
 // How many matches are within what `sigma` allows of their epipolar lines.
 int explained(const RayMatches& matches, double sigma, const TwoView& pose);

@@ -17,9 +17,12 @@ cv::Mat render(const Room& room, const RoomOptions& options, std::uint64_t seed,
 // the prior of depth as the room has it. No observations: these are the front end's.
 Sequence room_sequence(const RoomOptions& options, std::uint64_t seed);
 
+// Throws std::invalid_argument where room.yaml or images of somebody else would be replaced.
+void require_own_room(const std::filesystem::path& folder);
+
 // Writes a native folder of that sequence without observations, its images, and room.yaml, from
 // which the truth of any pixel can be had again. Overrides as `slammot simulate --set`; throws
-// std::invalid_argument for what is not allowed.
+// std::invalid_argument for what is not allowed, or as require_own_room().
 Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
                     const std::filesystem::path& folder);
 

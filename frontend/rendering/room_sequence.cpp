@@ -3,6 +3,7 @@
 
 #include "datasets/native/native_writer.h"
 #include "datasets/output/output_files.h"
+#include "datasets/output/output_folder.h"
 #include "datasets/simulation/scene/known_landmarks.h"
 #include "datasets/simulation/scene/statements.h"
 #include "datasets/text/text_table.h"
@@ -13,8 +14,8 @@
 namespace slammot {
 namespace {
 
-constexpr char kRoomFile[] = "room.yaml";
 constexpr char kRoomFormat[] = "slammot-room-1";
+constexpr char kImages[] = "images";
 
 // Of what the camera sees, on a coarse grid over image and time.
 LandmarkPrior seen_depths(const Room& room, const RoomOptions& options) {
@@ -88,11 +89,18 @@ Sequence room_sequence(const RoomOptions& options, std::uint64_t seed) {
   for (int i = 0; i < options.frames; ++i) {
     const double time = i / options.rate;
     sequence.frames.push_back({i, time, {}});
-    sequence.images.push_back(fmt::format("images/{:06}.png", i));
+    sequence.images.push_back(fmt::format("{}/{:06}.png", kImages, i));
     sequence.truth.emplace_back(room.camera_at(time));
   }
   state(StatementOptions{}, seen_depths(room, options), seed, sequence);
   return sequence;
+}
+
+void require_own_room(const std::filesystem::path& folder) {
+  require_own_mark(folder, kRoomOutput);
+  if (!std::filesystem::exists(folder / kImages) || is_own(folder, kRoomOutput)) return;
+  throw std::invalid_argument((folder / kImages).string() +
+                              ": holds images of somebody else, which are not replaced");
 }
 
 Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
@@ -100,9 +108,10 @@ Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
   RoomOptions options;
   apply(overrides, "room", parameters(options));
   Sequence sequence = room_sequence(options, seed);
+  require_own_room(folder);
   write_native(sequence, folder, NativeParts::kWithoutObservations);
-  write_room_file(options, seed, folder / kRoomFile);
-  std::filesystem::create_directories(folder / "images");
+  write_room_file(options, seed, folder / kRoomOutput.mark);
+  std::filesystem::create_directories(folder / kImages);
   const Room room(options, seed);
   for (int i = 0; i < options.frames; ++i) {
     write_image(folder / sequence.images[static_cast<size_t>(i)], render(room, options, seed, i));
@@ -111,8 +120,8 @@ Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
 }
 
 void add_room_truth(const std::filesystem::path& images, Sequence& sequence) {
-  if (!std::filesystem::exists(images / kRoomFile)) return;
-  const StoredRoom stored = read_room_file(images / kRoomFile);
+  if (!std::filesystem::exists(images / kRoomOutput.mark)) return;
+  const StoredRoom stored = read_room_file(images / kRoomOutput.mark);
   const Room room(stored.options, stored.seed);
   std::map<int, RoomHit> hits;
   for (const Frame& frame : sequence.frames) {

@@ -6,6 +6,8 @@
 
 #include "datasets/native/native_reader.h"
 #include "datasets/native/native_writer.h"
+#include "datasets/output/output_files.h"
+#include "datasets/text/input_error.h"
 #include "datasets/text/text_table.h"
 #include "tests/datasets/fixture.h"
 
@@ -93,6 +95,25 @@ TEST(NativeWriter, RemovesWhatTheSequenceDoesNotHave) {
   EXPECT_FALSE(fs::exists(folder.path() / "own" / "known.csv"));
   EXPECT_FALSE(fs::exists(folder.path() / "own" / "initial.yaml"));
   EXPECT_TRUE(fs::exists(folder.path() / "own" / "landmarks.csv"));
+}
+
+// A folder that is left between two renames says so, until it is written again.
+TEST(NativeWriter, HalfAReplacementIsNotRead) {
+  test::TemporaryFolder folder;
+  test::write_good(folder.path());
+  const Sequence s = read_native(folder.path());
+  const fs::path own = folder.path() / "own";
+  write_native(s, own);
+  {
+    fs::create_directories(own / "blocked" / "by");
+    OutputFiles files;
+    files.write(own / "frames.csv", "of another sequence");
+    files.write(own / "blocked", "cannot be renamed to a folder");
+    EXPECT_THROW(files.put_in_place(), std::runtime_error);
+  }
+  EXPECT_THROW(read_native(own), InputError);
+  write_native(s, own);
+  EXPECT_EQ(read_native(own).frames.size(), s.frames.size());
 }
 
 // Not what this program wrote: neither removed nor replaced.

@@ -92,6 +92,11 @@ class Outputs(unittest.TestCase):
         self.slammot("simulate", "--render", "--set", "frames=3", "--set", "width=160", "--output", room)
         self.refused("track", room, "--output", room, "--force", reason="would replace", kept=room)
         self.slammot("track", room, "--output", tracked)
+        own = tracked / "track.yaml"
+        text = own.read_text(encoding="utf-8")
+        own.write_text("mine: 1", encoding="utf-8")
+        self.refused("track", room, "--output", tracked, "--force", reason="was not written by this program", kept=tracked)
+        own.write_text(text, encoding="utf-8")
         self.slammot("run", tracked, "--estimator", "ekf", "--landmarks", "every-frame", "--output", run)
         mine = self.users_folder("frames/000001.png", "slider/b.jpg", "film.mp4")
         for force in ([], ["--force"]):
@@ -107,6 +112,15 @@ class Outputs(unittest.TestCase):
         self.refused("draw", run, "--output", run / "pictures", reason="--force", kept=run)
         self.slammot("draw", run, "--output", run / "pictures", "--force")
         self.assertFalse(list(self.folder.rglob("*unfinished*")))
+
+    def test_images_beside_a_sequence_stay(self):
+        sequence = self.simulated()
+        for name in ("room.yaml", "images/000000.png"):
+            mine = sequence / name
+            mine.parent.mkdir(exist_ok=True)
+            mine.write_text("mine", encoding="utf-8")
+            self.refused("simulate", "--render", "--output", sequence, "--force", reason="replaced", kept=sequence)
+            mine.unlink()
 
     def test_an_earlier_output_needs_force(self):
         sequence, run, compared = self.simulated(), self.folder / "run", self.folder / "compared"
