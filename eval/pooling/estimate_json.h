@@ -29,9 +29,11 @@ inline Estimate pool(const std::vector<double>& samples, Pooled how) {
 // A NEES, or a mean of some. One that is null was infinite: a covariance was not positive definite.
 // Throws a JSON error where it is negative.
 inline double nees_number(const nlohmann::ordered_json& json) {
-  const double nees = json.is_number() ? json.get<double>() : INFINITY;
-  if (nees >= 0.0) return nees;
-  throw nlohmann::ordered_json::other_error::create(501, "a NEES is negative", &json);
+  const double nees = number(json);
+  if (nees < 0.0) {
+    throw nlohmann::ordered_json::other_error::create(501, "a NEES is negative", &json);
+  }
+  return std::isnan(nees) ? INFINITY : nees;
 }
 
 // Sum and count of a mean NEES over `count` samples.
