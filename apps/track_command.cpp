@@ -114,12 +114,13 @@ void state_known(const Path& file, Sequence& sequence) {
 }
 
 // How the measurements were made: track.yaml, for people.
-void write_description(const TrackArguments& arguments, const TrackedImages& tracked) {
-  write_file(Path(arguments.output) / kTrackingOutput.mark,
-             fmt::format("version: \"{}\"\ncommand: \"{}\"\nframes: {}\nframes_skipped: {}\n"
-                         "tracks: {}\npixel_sigma: \"{}\"\n",
-                         version_text(), command_line(), tracked.sequence.frames.size(),
-                         tracked.skipped.size(), tracked.tracks, noise_text(tracked)));
+void add_description(const TrackArguments& arguments, const TrackedImages& tracked,
+                     OutputFiles& files) {
+  files.write(Path(arguments.output) / kTrackingOutput.mark,
+              fmt::format("version: \"{}\"\ncommand: \"{}\"\nframes: {}\nframes_skipped: {}\n"
+                          "tracks: {}\npixel_sigma: \"{}\"\n",
+                          version_text(), command_line(), tracked.sequence.frames.size(),
+                          tracked.skipped.size(), tracked.tracks, noise_text(tracked)));
 }
 
 int execute(TrackArguments arguments) {
@@ -146,8 +147,10 @@ int execute(TrackArguments arguments) {
   if (!arguments.known.empty()) state_known(arguments.known, tracked.sequence);
   add_room_truth(arguments.images, tracked.sequence);
   relocate_images(arguments.output, tracked.sequence);
-  write_native(tracked.sequence, arguments.output);
-  write_description(arguments, tracked);
+  OutputFiles files;
+  add_native(tracked.sequence, arguments.output, NativeParts::kAll, files);
+  add_description(arguments, tracked, files);
+  files.put_in_place();
   for (const std::string& reason : tracked.skipped) fmt::print("skipped: {}\n", reason);
   const auto frames = static_cast<double>(tracked.sequence.frames.size());
   fmt::print("{}: {} frames, {} skipped, {} tracks, {:.1f} frames/s\npixel_sigma {}\n{}\n",

@@ -187,8 +187,9 @@ void require_own_files(const std::filesystem::path& folder) {
   std::string head;
   std::getline(std::ifstream(folder / native::kSettings), head);
   if (head == kSequenceOutput.begins) return;  // of an earlier build, which did not name them
+  const auto replaced = being_replaced(folder);
   for (const auto name : native::kFileNames) {
-    if (!std::filesystem::exists(folder / name)) continue;
+    if (!std::filesystem::exists(folder / name) || replaced.contains(folder / name)) continue;
     if ((head + ' ').find(fmt::format(" {} ", name)) != std::string::npos) continue;
     throw std::invalid_argument(
         (folder / name).string() +
@@ -196,13 +197,12 @@ void require_own_files(const std::filesystem::path& folder) {
   }
 }
 
-void write_native(const Sequence& sequence, const std::filesystem::path& folder,
-                  NativeParts parts) {
+void add_native(const Sequence& sequence, const std::filesystem::path& folder, NativeParts parts,
+                OutputFiles& files) {
   const Texts texts = texts_of(sequence, parts);
   require_readable(folder, texts, sequence);
   require_own_files(folder);
   std::filesystem::create_directories(folder);
-  OutputFiles files;
   for (const auto name : native::kFileNames) {
     if (texts.contains(name)) {
       files.write(folder / name, texts.at(name));
@@ -210,6 +210,16 @@ void write_native(const Sequence& sequence, const std::filesystem::path& folder,
       files.leave_out(folder / name);
     }
   }
+  // They describe the sequence that was here.
+  for (const OutputKind& kind : {kTrackingOutput, kRoomOutput}) {
+    if (is_own(folder, kind)) files.leave_out(folder / kind.mark);
+  }
+}
+
+void write_native(const Sequence& sequence, const std::filesystem::path& folder,
+                  NativeParts parts) {
+  OutputFiles files;
+  add_native(sequence, folder, parts, files);
   files.put_in_place();
 }
 

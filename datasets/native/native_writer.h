@@ -2,6 +2,7 @@
 // the velocities of the truth, for which the format has no place.
 #pragma once
 
+#include "datasets/output/output_files.h"
 #include "datasets/sequence/sequence.h"
 
 namespace slammot {
@@ -18,5 +19,10 @@ void require_own_files(const std::filesystem::path& folder);
 // refuse, or as require_own_files(), and std::runtime_error if a file cannot be written.
 void write_native(const Sequence& sequence, const std::filesystem::path& folder,
                   NativeParts parts = NativeParts::kAll);
+
+// The same, with more files beside them, when `files` are put in place. track.yaml and room.yaml of
+// an earlier sequence are left out.
+void add_native(const Sequence& sequence, const std::filesystem::path& folder, NativeParts parts,
+                OutputFiles& files);
 
 }  // namespace slammot

@@ -65,16 +65,27 @@ void OutputFiles::write(const fs::path& file, std::string_view text) {
 
 void OutputFiles::put_in_place() {
   const bool several = files_.size() + left_out_.size() > 1 && !files_.empty();
-  const fs::path replacing =
-      several ? files_.front().second.parent_path() / kReplacing : fs::path();
-  if (several) write_checked(replacing, replacing, [](std::ostream&) {});
+  const fs::path folder = several ? files_.front().second.parent_path() : fs::path();
+  const fs::path replacing = folder / kReplacing;
+  std::set<fs::path> written;
+  for (const auto& [unfinished, file] : files_) written.insert(file);
+  if (several) {
+    std::set<fs::path> all = being_replaced(folder);  // before a program was stopped
+    all.insert(written.begin(), written.end());
+    all.insert(left_out_.begin(), left_out_.end());
+    write_checked(replacing, replacing, [&](std::ostream& out) {
+      for (const fs::path& file : all) out << file.lexically_relative(folder).string() << '\n';
+    });
+  }
   for (const auto& [unfinished, file] : files_) {
     std::error_code error;
     fs::rename(unfinished, file, error);
     if (error) refuse(file, error.value());
   }
   files_.clear();
-  for (const fs::path& file : left_out_) fs::remove(file);
+  for (const fs::path& file : left_out_) {
+    if (!written.contains(file)) fs::remove(file);
+  }
   if (several) fs::remove(replacing);
 }
 
@@ -95,6 +106,13 @@ void require_whole(const fs::path& folder) {
   throw InputError(folder, 0,
                    "its files were being replaced when a program was stopped, and may be of two "
                    "outputs: write it again");
+}
+
+std::set<fs::path> being_replaced(const fs::path& folder) {
+  std::set<fs::path> files;
+  std::ifstream in(folder / kReplacing);
+  for (std::string name; std::getline(in, name);) files.insert(folder / name);
+  return files;
 }
 
 bool is_unfinished(const fs::path& file) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <ostream>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -23,11 +24,11 @@ class OutputFiles {
   void write(const std::filesystem::path& file, std::string_view text);
   // For what somebody else writes: the name to write to.
   std::filesystem::path aside(const std::filesystem::path& file);
-  // Not part of this output; an earlier one is removed.
+  // Not part of this output, unless it is written too; an earlier one is removed.
   void leave_out(std::filesystem::path file) { left_out_.push_back(std::move(file)); }
 
-  // Renames and removes, in the order of the calls. Several files are of one folder: one that is
-  // left between two of them, by a kill or an error, is known by require_whole().
+  // Renames and removes, in the order of the calls. Several files are of the first one's folder:
+  // one that is left between two of them, by a kill or an error, is known by require_whole().
   void put_in_place();
 
  private:
@@ -42,6 +43,9 @@ void write_file(const std::filesystem::path& file, std::string_view text);
 // Throws InputError if files of this folder were being replaced when a program was stopped: some
 // may be of the earlier output, some of the later. Writing again makes it whole.
 void require_whole(const std::filesystem::path& folder);
+
+// The files that were then being replaced or removed; none of a folder that is whole.
+std::set<std::filesystem::path> being_replaced(const std::filesystem::path& folder);
 
 // Whether this is the name of a file that was being written when a program was killed.
 bool is_unfinished(const std::filesystem::path& file);

@@ -67,7 +67,7 @@ RectifiedCamera rectified_camera(const Path& file, const std::string& key) {
   if (!(std::abs(matrix.leftCols<3>().determinant()) > kSmallest)) {
     throw InputError(file, line, key + ": the matrix has no inverse");
   }
-  return {camera, matrix.leftCols<3>().inverse() * matrix.col(3)};
+  return {camera, matrix.leftCols<3>().inverse() * matrix.col(3), line};
 }
 
 CalibrationRow required_calibration(const Path& file, const std::string& key, size_t numbers) {

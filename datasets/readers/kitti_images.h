@@ -33,6 +33,7 @@ CalibrationRow required_calibration(const std::filesystem::path& file, const std
 struct RectifiedCamera {
   Camera camera;           // width and height 0: not known here
   Eigen::Vector3d offset;  // t [m]
+  int line = 0;            // of the row
 };
 RectifiedCamera rectified_camera(const std::filesystem::path& file, const std::string& key);
 

@@ -84,12 +84,15 @@ Sequence read_kitti_raw(const Path& folder) {
   }
   require_frames(times, sequence);
   const Path cameras = *calibration_file(folder, kCameras);
-  const RectifiedCamera rectified = rectified_camera(cameras, fmt::format("P_rect_0{}", camera));
+  const std::string key = fmt::format("P_rect_0{}", camera);
+  const RectifiedCamera rectified = rectified_camera(cameras, key);
   sequence.camera = rectified.camera;
   const auto [size, line] = required_calibration(cameras, fmt::format("S_rect_0{}", camera), 2);
   sequence.camera.width = whole_pixels(cameras, line, size[0]);
   sequence.camera.height = whole_pixels(cameras, line, size[1]);
-  if (const Fault fault = camera_fault(sequence.camera)) throw InputError(cameras, line, *fault);
+  if (const Fault fault = camera_fault(sequence.camera)) {
+    throw InputError(cameras, rectified.line, fmt::format("{}: {}", key, *fault));
+  }
   sequence.truth = camera_truth(sequence, cameras, rectified.offset);
   state_car(sequence);
   return sequence;

@@ -135,7 +135,8 @@ void read_metrics(const Path& file, RunResult& run) {
   try {
     restore_totals(nlohmann::ordered_json::parse(text), run);
   } catch (const nlohmann::json::parse_error& error) {
-    const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
+    const std::size_t before = std::min(error.byte > 0 ? error.byte - 1 : 0, text.size());
+    const auto end = text.begin() + static_cast<std::ptrdiff_t>(before);
     throw InputError(file, 1 + static_cast<int>(std::count(text.begin(), end, '\n')),
                      "no JSON from here on");
   } catch (const nlohmann::json::exception& error) {

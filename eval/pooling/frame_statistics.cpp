@@ -26,9 +26,6 @@ struct CameraPart {
 constexpr CameraPart kCameraParts[] = {{"pose", 0, 6}, {"position", 0, 3}, {"rotation", 3, 3}};
 constexpr const char* kLandmarkParts[] = {"landmark_position", "landmark_velocity"};
 
-// A NEES that is not finite belongs to a covariance that is not positive definite.
-double finite_or_infinite(double nees) { return std::isnan(nees) ? INFINITY : nees; }
-
 double inside(double lower, double x, double upper) {
   if (std::isnan(lower)) return kUndefined;
   return lower <= x && x <= upper ? 1.0 : 0.0;
@@ -111,9 +108,10 @@ void FrameStatistics::add(const Json& frames) {
   for (std::size_t i = 0; i < index.size(); ++i) {
     Frame& frame = frames_[count_of(index.at(i))];
     for (const std::string what : kSampled) {
-      const bool may_lack = what.starts_with("nees_");  // where no covariance is stated
-      if (may_lack && !frames.contains(what)) continue;
-      frame.samples[what].push_back(number(frames.at(what).at(i)));
+      const bool is_nees = what.starts_with("nees_");
+      if (is_nees && !frames.contains(what)) continue;  // no covariance is stated
+      const Json& value = frames.at(what).at(i);
+      frame.samples[what].push_back(is_nees ? nees_number(value) : number(value));
     }
     for (const std::string part : kLandmarkParts) {
       if (!frames.contains("nees_" + part)) continue;  // smoothed cameras have no landmarks
@@ -129,7 +127,7 @@ FrameStatistics::Anees FrameStatistics::camera_part(const std::string& part, int
     std::vector<double> samples;
     const auto nees = frame.samples.find("nees_" + part);
     if (nees != frame.samples.end()) {
-      for (const double x : nees->second) samples.push_back(finite_or_infinite(x));
+      samples = nees->second;
     }
     const int runs = static_cast<int>(samples.size());
     const Interval interval =

@@ -79,6 +79,10 @@ void add_lagged(const Estimator& estimator, RunResult& result) {
   }
 }
 
+double sigma_of(const Sequence& sequence, const DriveOptions& options) {
+  return options.pixel_sigma.value_or(sequence.pixel_sigma);
+}
+
 void drive_frame(const Sequence& sequence, const Frame& frame, Estimator& estimator,
                  const DriveOptions& options, LandmarkHistory& history, RunResult& result) {
   StageClock clock;
@@ -94,8 +98,8 @@ void drive_frame(const Sequence& sequence, const Frame& frame, Estimator& estima
   add_to(result.totals, result.counts.back());
   history.retire(frame.index, report.retired);  // before a track may begin anew
   const std::vector<LandmarkEstimate> measured = estimator.landmarks_measured(frame.index);
-  result.ray_spread.push_back(ray_spread(
-      sequence.camera, options.pixel_sigma.value_or(sequence.pixel_sigma), frame, measured));
+  result.ray_spread.push_back(
+      ray_spread(sequence.camera, sigma_of(sequence, options), frame, measured));
   history.add(frame.index, measured);
   if (!options.landmarks_every_frame) return;
   for (const LandmarkEstimate& landmark : estimator.landmarks()) {
@@ -138,7 +142,8 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
   result.classification = history.classification();
   result.samples = history.samples();
   std::vector<RotationSpan> spans;
-  if (options.check_rotation) spans = options.check_rotation(sequence, result.judged());
+  if (options.check_rotation)
+    spans = options.check_rotation(sequence, result.judged(), sigma_of(sequence, options));
   result.warnings = self_check(result, spans);
   return result;
 }

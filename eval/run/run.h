@@ -15,7 +15,7 @@ namespace slammot {
 
 // The rotation of these cameras beside another estimate from the same tracks; a front end has one.
 using CheckRotation = std::function<std::vector<RotationSpan>(
-    const Sequence& sequence, const std::vector<CameraEstimate>& cameras)>;
+    const Sequence& sequence, const std::vector<CameraEstimate>& cameras, double pixel_sigma)>;
 
 struct DriveOptions {
   std::function<void(int done, int total)> progress;  // after each frame; may be empty

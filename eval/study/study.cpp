@@ -78,16 +78,17 @@ class Reader {
   // Of keys of the configuration, each tried.
   Settings assignments(const YAML::Node& node, const std::string& what) const {
     Settings result = settings(node, what);
-    for (const auto& pair : node) try_assignment(pair.second, pair.first.Scalar());
+    for (const auto& pair : node)
+      try_assignment(pair.first, {pair.first.Scalar(), pair.second.Scalar()});
     return result;
   }
 
-  void try_assignment(const YAML::Node& value, const std::string& key) const {
+  void try_assignment(const YAML::Node& at, const Assignment& assignment) const {
     try {
       Configuration scratch;
-      assign(scratch, {key, value.Scalar()});
+      assign(scratch, assignment);
     } catch (const std::invalid_argument& error) {
-      refuse(value, error.what());
+      refuse(at, error.what());
     }
   }
 
@@ -113,7 +114,7 @@ class Reader {
       row.name = row.recorded ? folder_of(map.text("sequence")) : map.text(kind);
       const std::string name =
           row.recorded ? std::filesystem::path(row.name).filename().string() : row.name;
-      if (kind == "estimator") try_estimator(item, row.name);
+      if (kind == "estimator") try_estimator(item[kind], row.name);
       row.label = map.has("label") ? map.text("label") : name;
       if (map.has("set")) {
         const YAML::Node set = map.take("set");
@@ -147,7 +148,7 @@ class Reader {
       }
       for (const auto& value : pair.second) {
         key.values.push_back(scalar(value, key.key));
-        if (!is_of_scenario(key.key)) try_assignment(value, key.key);
+        if (!is_of_scenario(key.key)) try_assignment(pair.first, {key.key, value.Scalar()});
       }
       result.push_back(std::move(key));
     }

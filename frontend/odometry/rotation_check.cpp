@@ -32,8 +32,9 @@ Span span_from(const Sequence& sequence, std::size_t first, std::size_t end) {
 }  // namespace
 
 std::vector<RotationSpan> check_rotation(const Sequence& sequence,
-                                         const std::vector<CameraEstimate>& cameras) {
-  const double sigma = ray_sigma(sequence.camera, sequence.pixel_sigma);
+                                         const std::vector<CameraEstimate>& cameras,
+                                         double pixel_sigma) {
+  const double sigma = ray_sigma(sequence.camera, pixel_sigma);
   const std::size_t end = std::min(cameras.size(), sequence.frames.size());
   std::vector<RotationSpan> spans;
   for (std::size_t first = 0; first + 1 < end; first += kStep) {

@@ -15,6 +15,7 @@ namespace slammot {
 // `cameras`: after each of the first frames of the sequence. A span begins at every fifth frame and
 // is at most ten frames long, less where tracks are short.
 std::vector<RotationSpan> check_rotation(const Sequence& sequence,
-                                         const std::vector<CameraEstimate>& cameras);
+                                         const std::vector<CameraEstimate>& cameras,
+                                         double pixel_sigma);
 
 }  // namespace slammot

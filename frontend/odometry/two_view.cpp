@@ -114,7 +114,7 @@ std::optional<TwoView> ransac(const RayMatches& m, double sigma) {
 // there are: no inliers of another pose decide, which may be those of an object.
 TwoView best_of_pairs(const RayMatches& m, double sigma, const Eigen::Matrix3d& R) {
   const std::size_t n = m.first.size();
-  const std::size_t step = std::max<std::size_t>(n * (n - 1) / 2 / kMostPairs, 1);
+  const std::size_t step = (n * (n - 1) / 2 + kMostPairs - 1) / kMostPairs;
   TwoView best;
   best.R = R;
   std::size_t pair = 0;

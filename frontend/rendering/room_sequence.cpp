@@ -14,7 +14,6 @@
 namespace slammot {
 namespace {
 
-constexpr char kRoomFormat[] = "slammot-room-1";
 constexpr char kImages[] = "images";
 
 // Of what the camera sees, on a coarse grid over image and time.
@@ -42,12 +41,12 @@ LandmarkPrior seen_depths(const Room& room, const RoomOptions& options) {
   return prior;
 }
 
-void write_room_file(RoomOptions options, std::uint64_t seed, const std::filesystem::path& file) {
-  std::string text = fmt::format("format: {}\nseed: {}\n", kRoomFormat, seed);
+std::string room_text(RoomOptions options, std::uint64_t seed) {
+  std::string text = fmt::format("{}\nseed: {}\n", kRoomOutput.begins, seed);
   for (const ScenarioParameter& parameter : describe(parameters(options))) {
     text += fmt::format("{}: {}\n", parameter.name, parameter.value);
   }
-  write_file(file, text);
+  return text;
 }
 
 struct StoredRoom {
@@ -57,8 +56,8 @@ struct StoredRoom {
 
 StoredRoom read_room_file(const std::filesystem::path& file) {
   YamlMap map = load_yaml(file, read_text_file(file));
-  if (map.text("format") != kRoomFormat) {
-    map.refuse(map.take("format"), fmt::format("'format' must be '{}'", kRoomFormat));
+  if ("format: " + map.text("format") != kRoomOutput.begins) {
+    map.refuse(map.take("format"), fmt::format("must be '{}'", kRoomOutput.begins));
   }
   StoredRoom stored;
   const auto seed = parse_number<std::uint64_t>(map.text("seed"));
@@ -97,10 +96,14 @@ Sequence room_sequence(const RoomOptions& options, std::uint64_t seed) {
 }
 
 void require_own_room(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
   require_own_mark(folder, kRoomOutput);
-  if (!std::filesystem::exists(folder / kImages) || is_own(folder, kRoomOutput)) return;
-  throw std::invalid_argument((folder / kImages).string() +
-                              ": holds images of somebody else, which are not replaced");
+  const fs::path images = folder / kImages;
+  const bool is_link = fs::is_symlink(fs::symlink_status(images));
+  if (!is_link && (is_vacant(images) || is_own(folder, kRoomOutput))) return;
+  throw std::invalid_argument(images.string() +
+                              ": holds images that are not known to be of this program, and are "
+                              "not replaced");
 }
 
 Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
@@ -109,13 +112,16 @@ Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
   apply(overrides, "room", parameters(options));
   Sequence sequence = room_sequence(options, seed);
   require_own_room(folder);
-  write_native(sequence, folder, NativeParts::kWithoutObservations);
-  write_room_file(options, seed, folder / kRoomOutput.mark);
+  OutputFiles files;
+  add_native(sequence, folder, NativeParts::kWithoutObservations, files);
+  files.write(folder / kRoomOutput.mark, room_text(options, seed));
   std::filesystem::create_directories(folder / kImages);
   const Room room(options, seed);
   for (int i = 0; i < options.frames; ++i) {
-    write_image(folder / sequence.images[static_cast<size_t>(i)], render(room, options, seed, i));
+    write_image(files.aside(folder / sequence.images[static_cast<size_t>(i)]),
+                render(room, options, seed, i));
   }
+  files.put_in_place();
   return sequence;
 }
 

@@ -14,6 +14,8 @@ _TUM = ["timestamp", "x", "y", "z", "qx", "qy", "qz", "qw"]
 
 def _file(folder, name, required=True):
     file = pathlib.Path(folder, name)
+    if pathlib.Path(folder, ".slammot-replacing").exists():
+        raise ValueError(f"{folder}: its files were being replaced when a program was stopped: write it again")
     if not file.is_file():
         if required:
             raise FileNotFoundError(f"{file}: no such file")

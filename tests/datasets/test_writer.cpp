@@ -107,13 +107,36 @@ TEST(NativeWriter, HalfAReplacementIsNotRead) {
   {
     fs::create_directories(own / "blocked" / "by");
     OutputFiles files;
-    files.write(own / "frames.csv", "of another sequence");
+    files.write(own / "frames.csv", read_text_file(own / "frames.csv"));
     files.write(own / "blocked", "cannot be renamed to a folder");
     EXPECT_THROW(files.put_in_place(), std::runtime_error);
   }
   EXPECT_THROW(read_native(own), InputError);
   write_native(s, own);
   EXPECT_EQ(read_native(own).frames.size(), s.frames.size());
+}
+
+// The settings, which name the files, are the first to be renamed: the others are ours all the
+// same.
+TEST(NativeWriter, HalfAReplacementCanBeWrittenAgain) {
+  test::TemporaryFolder folder;
+  test::write_good(folder.path());
+  Sequence s = read_native(folder.path());
+  const fs::path own = folder.path() / "own";
+  write_native(s, own);
+  ASSERT_TRUE(fs::exists(own / "known.csv"));
+  s.known.clear();
+  {
+    fs::create_directories(own / "blocked" / "by");
+    OutputFiles files;
+    add_native(s, own, NativeParts::kWithoutObservations, files);
+    files.write(own / "blocked", "cannot be renamed to a folder");
+    EXPECT_THROW(files.put_in_place(), std::runtime_error);
+  }
+  ASSERT_TRUE(fs::exists(own / "known.csv"));
+  EXPECT_THROW(read_native(own), InputError);
+  write_native(s, own);
+  EXPECT_TRUE(read_native(own).known.empty());
 }
 
 // Not what this program wrote: neither removed nor replaced.

@@ -89,7 +89,6 @@ Files journal() {
            "\"timing\":{\"cell\":0,\"seed\":1}}\n"}};
 }
 
-// A study of one run, which is made here.
 // Numbers with `digits`: the same text on every machine, so that a mutation that does harm does it
 // everywhere.
 nlohmann::ordered_json rounded(nlohmann::ordered_json json, int digits) {
@@ -107,6 +106,7 @@ nlohmann::ordered_json without_clock(nlohmann::ordered_json timing) {
   return timing;
 }
 
+// A study of one run, which is made here.
 Files study_results() {
   static const Files files = [] {
     const Path folder = std::filesystem::temp_directory_path();

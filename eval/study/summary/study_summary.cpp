@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "datasets/output/output_files.h"
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_json.h"
 #include "eval/pooling/estimate_json.h"
@@ -171,6 +172,7 @@ Json heading(const Study& study, const Provenance& made_by) {
 
 Json summarise_study(const Study& study, const std::filesystem::path& folder,
                      const Provenance& made_by) {
+  require_whole(folder);
   Json json = heading(study, made_by);
   CellLines results(folder / "results.jsonl"), timing(folder / "timing.jsonl");
   for (std::size_t i = 0; i < study.cells.size();) {

@@ -130,12 +130,12 @@ TEST(SelfCheck, ManyMoversAreNoReason) {
 }
 
 TEST(SelfCheck, RotationDisagrees) {
-  const RotationSpan good{.first = 0, .last = 10, .five_point = 40, .estimate = 38, .angle = 0.02};
+  const RotationSpan good{.first = 0, .last = 10, .five_point = 40, .estimate = 33, .angle = 0.02};
   std::vector<RotationSpan> spans(20, good);
   const RunResult run = run_of(kGood, 0);
   EXPECT_TRUE(self_check(run, spans).empty());
   for (std::size_t i : {4, 9, 12, 17}) {  // one in five is still allowed
-    spans[i] = {.first = static_cast<int>(i), .last = 20, .five_point = 40, .estimate = 19};
+    spans[i] = {.first = static_cast<int>(i), .last = 20, .five_point = 40, .estimate = 31};
   }
   EXPECT_TRUE(self_check(run, spans).empty());
   spans[7] = {.first = 7, .last = 20, .five_point = 40, .estimate = 10, .angle = 0.1};
