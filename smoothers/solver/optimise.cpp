@@ -93,8 +93,18 @@ void Optimiser::operator()(Graph& graph, const GraphCamera& camera, int iteratio
 }
 
 void Optimiser::take_step(Graph& graph, const GraphCamera& camera) {
+  clear_step(graph);
+  const double before = graph.try_step().cost();
   equations_.factorise(graph, camera);
   equations_.solve(graph);
+  const bool takes_any = rule_ == StepRule::kEvery || graph.fixed_points();
+  for (int i = 0; !takes_any && graph.try_step().cost() > before + kRounding; ++i) {
+    if (i == kTries) {
+      clear_step(graph);
+      break;
+    }
+    halve_step(graph);
+  }
   graph.retract();
   equations_.follow_step(graph);
 }

@@ -7,8 +7,8 @@
 
 namespace slammot {
 
-// Steps that raise the cost are refused | every step is taken, since the Jacobians are those of the
-// truth: what is learnt must not depend on the measurements.
+// Steps that raise the cost are refused | every step is taken: as in an EKF, or since the Jacobians
+// are those of the truth, and what is learnt must not depend on the measurements.
 enum class StepRule { kDescent, kEvery };
 
 class Optimiser {
@@ -26,7 +26,8 @@ class Optimiser {
   // EKF, and so are all steps with StepRule::kEvery. Throws Diverged as NormalEquations does.
   void operator()(Graph& graph, const GraphCamera& camera, int iterations, double tolerance);
 
-  // One step from the stored linearisation.
+  // One step from the stored linearisation. One that raises the cost is halved until it does not,
+  // or else not taken, unless points are fixed.
   void take_step(Graph& graph, const GraphCamera& camera);
 
   // Of the last linearisation, without damping; its marginals are in the tangent spaces that the

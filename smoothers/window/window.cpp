@@ -35,7 +35,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
              fixed_points(options.linearisation)),
       cameras_(graph_, truth_of(setup, options)),
       truth_(truth_of(setup, options), graph_, cameras_),
-      optimiser_(truth_ ? StepRule::kEvery : StepRule::kDescent),
+      optimiser_(truth_ || options.iterations == 1 ? StepRule::kEvery : StepRule::kDescent),
       histories_(histories),
       gate_threshold_(pixel_threshold(models.gate.probability)) {
   if (options.solver == WindowSolver::kCeres && graph_.fixed_points()) {
