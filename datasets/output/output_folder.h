@@ -17,7 +17,7 @@ struct OutputKind {
 inline constexpr OutputKind kSequenceOutput{"a sequence", "sequence.yaml", "# written by slammot"};
 // Beside a sequence, in the same folder: how it was tracked, or rendered.
 inline constexpr OutputKind kTrackingOutput{"a description of tracking", "track.yaml",
-                                            "version: \"0."};
+                                            "version: \""};
 inline constexpr OutputKind kRoomOutput{"a rendered room", "room.yaml", "format: slammot-room-1"};
 inline constexpr OutputKind kRunOutput{"a run", "run.yaml", "format: slammot-run-1"};
 inline constexpr OutputKind kComparisonOutput{"a comparison", "compare.json",

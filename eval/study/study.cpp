@@ -78,8 +78,9 @@ class Reader {
   // Of keys of the configuration, each tried.
   Settings assignments(const YAML::Node& node, const std::string& what) const {
     Settings result = settings(node, what);
-    for (const auto& pair : node)
+    for (const auto& pair : node) {
       try_assignment(pair.first, {pair.first.Scalar(), pair.second.Scalar()});
+    }
     return result;
   }
 

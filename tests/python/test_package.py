@@ -131,6 +131,10 @@ class Package(unittest.TestCase):
     def test_what_is_missing_or_bad_is_said_with_its_file(self):
         with self.assertRaisesRegex(FileNotFoundError, "trajectory.tum"):
             slammot.read_run(self.folder)
+        (self.folder / ".slammot-replacing").touch()
+        with self.assertRaisesRegex(ValueError, "being replaced"):
+            slammot.read_run(self.folder)
+        (self.folder / ".slammot-replacing").unlink()
         with self.assertRaisesRegex(FileNotFoundError, "runs.csv"):
             slammot.read_study(self.folder)
         with self.assertRaisesRegex(RuntimeError, "^slammot: unknown scenario 'square circle'"):

@@ -7,6 +7,9 @@
 #include <cmath>
 #include <random>
 
+#include "datasets/simulation/scenario.h"
+#include "eval/run/run.h"
+
 namespace slammot {
 namespace {
 
@@ -43,6 +46,17 @@ TEST(RaySpread, OfALineIsThatOfTheNoise) {
       EXPECT_NEAR(spread_of_line(camera, 0.0, 0.1, 0.5) / (0.1 / 2.0 * fy / 0.5), 1.0, 0.12);
     }
   }
+}
+
+// Not in the sequence's, and with given labels of the same landmarks.
+TEST(RaySpread, IsInTheSigmaOfTheEstimator) {
+  const Sequence sequence = simulate("circle", {{"frames", "2"}}, 1);
+  Configuration twice;
+  twice.pixel_sigma = 2.0 * sequence.pixel_sigma;
+  const auto first = [&](const Configuration& configuration) {
+    return run_estimator(sequence, configuration, "true_labels").ray_spread.front();
+  };
+  EXPECT_NEAR(first({}) / first(twice), 2.0, 1e-9);
 }
 
 TEST(RaySpread, OfNothingIsUndefined) {
