@@ -1,10 +1,8 @@
-// The frame loop and the landmark manager, driven with a belief that is told what to say: what they
-// ask, in which order, and what they make of the answers.
+// The frame loop, driven with a belief that is told what to say: what it asks, in which order, and
+// what it makes of the answers.
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include "estimation/loop/frame_loop.h"
-#include "tests/estimation/fake_belief.h"
+#include "tests/estimation/frame_loop_fixture.h"
 
 namespace slammot {
 namespace {
@@ -13,47 +11,7 @@ using test::FakeBelief;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-class FrameLoopOf : public testing::Test {
- protected:
-  FrameLoopOf() {
-    setup_.camera.fx = setup_.camera.fy = 400.0;
-    setup_.camera.cx = 320.0;
-    setup_.camera.cy = 240.0;
-  }
-
-  // Landmarks of the first frame are static by rule.
-  void start(ModelOptions models) {
-    models.labels.first_frame = FirstFrameLabels::kStatic;
-    start_with(models);
-  }
-  void start_with(const ModelOptions& models) {
-    const auto make = [this] {
-      auto belief = std::make_unique<FakeBelief>(calls_);
-      belief->remembers_all = remembers_all_;
-      belief_ = belief.get();
-      return belief;
-    };
-    loop_ = std::make_unique<FrameLoop>(setup_, models, make);
-  }
-
-  FrameReport frame(std::vector<int> tracks) {
-    Frame frame{index_, 0.1 * index_, {}};
-    ++index_;
-    for (const int track : tracks) frame.observations.push_back({track, {320.0, 240.0}});
-    calls_.clear();
-    return loop_->process(frame, stages_);
-  }
-
-  Label label(int track) const { return loop_->records().at(track).label; }
-
-  slammot::Setup setup_;
-  std::vector<std::string> calls_;
-  FakeBelief* belief_ = nullptr;
-  std::unique_ptr<FrameLoop> loop_;
-  NoStages stages_;
-  int index_ = 0;
-  bool remembers_all_ = false;
-};
+class FrameLoopOf : public test::FrameLoopOf {};
 
 TEST_F(FrameLoopOf, AsksInTheOrderOfTheThesis) {
   setup_.known = {{7, {0.0, 0.0, 2.0}, 0.01}};
@@ -244,75 +202,6 @@ TEST_F(FrameLoopOf, StartsOverWithoutTheMostRejectedWhereNothingIsRemembered) {
   EXPECT_EQ(label(2), Label::kUnknown);
   EXPECT_EQ(label(3), Label::kStatic);
   EXPECT_THAT(calls_, testing::Not(testing::Contains("free")));
-}
-
-TEST_F(FrameLoopOf, PrunesWhatIsNotMeasuredAndStartsItsTrackAnew) {
-  ModelOptions models;
-  models.policy.prune_after = 2;
-  start(models);
-  frame({});
-  frame({1});
-  EXPECT_EQ(loop_->records().at(1).label, Label::kUnknown);
-  frame({});
-  frame({});
-  const FrameReport report = frame({});
-  ASSERT_EQ(report.retired.size(), 1u);
-  EXPECT_EQ(report.retired[0].track, 1);
-  EXPECT_THAT(loop_->records(), IsEmpty());
-  EXPECT_EQ(frame({1}).admitted, 1);
-}
-
-TEST_F(FrameLoopOf, PrunesAStaticLandmarkThatShouldBeInViewAndIsNot) {
-  ModelOptions models;
-  models.policy.prune_missed_after = 3;
-  start(models);
-  frame({1, 2});
-  belief_->state.at(2).in_view = true;
-  for (int i = 0; i < 3; ++i) frame({1});
-  EXPECT_TRUE(loop_->records().contains(2));  // straight ahead of the camera, three frames missed
-  frame({1});
-  EXPECT_FALSE(loop_->records().contains(2));
-}
-
-TEST_F(FrameLoopOf, AdmitsWhatThereIsRoomFor) {
-  ModelOptions models;
-  models.policy.max_visible = 2;
-  start(models);
-  EXPECT_EQ(frame({1, 2, 3}).admitted, 2);
-  EXPECT_EQ(frame({1, 2, 3}).admitted, 0);  // two are measured
-  EXPECT_EQ(frame({1, 3}).admitted, 1);
-  EXPECT_EQ(frame({FakeBelief::kNoRay}).admitted, 0);
-  EXPECT_FALSE(loop_->records().contains(FakeBelief::kNoRay));
-}
-
-TEST_F(FrameLoopOf, AdmitsAtTheThirdSightingOnProbation) {
-  ModelOptions models;
-  models.policy.probation = 3;
-  start(models);
-  EXPECT_EQ(frame({1}).admitted, 1);  // of the first frame, at once
-  EXPECT_EQ(frame({1, 2, FakeBelief::kRefused}).admitted, 0);
-  EXPECT_EQ(frame({1, 2, FakeBelief::kRefused}).admitted, 0);
-  const FrameReport report = frame({1, 2, 3, FakeBelief::kRefused});
-  EXPECT_EQ(report.admitted, 1);
-  EXPECT_EQ(report.accepted, 2);  // its third pixel is used in its frame
-  EXPECT_THAT(calls_, testing::Contains("add_seen").Times(2));
-  ASSERT_EQ(belief_->sightings.size(), 2u);
-  EXPECT_EQ(belief_->sightings.front().frames_before, 2);
-  EXPECT_EQ(loop_->records().at(2).first_frame, 1);
-  EXPECT_EQ(loop_->records().at(2).observations, 3);
-  EXPECT_FALSE(loop_->records().contains(FakeBelief::kRefused));
-  EXPECT_EQ(frame({1, 2, 3, FakeBelief::kRefused}).admitted, 0);  // both begin anew
-  EXPECT_EQ(frame({1, 2, 3}).admitted, 1);
-}
-
-TEST_F(FrameLoopOf, LearnsTheDepthPriorFromStaticLandmarks) {
-  ModelOptions models;
-  models.depth_prior = DepthPriorSource::kEmpirical;
-  start(models);
-  frame({1, 2, 3, 4});
-  EXPECT_EQ(belief_->newest_prior.inverse_depth, setup_.prior.inverse_depth);
-  frame({1, 2, 3, 4, 5});
-  EXPECT_GT(belief_->newest_prior.inverse_depth, setup_.prior.inverse_depth);  // towards 0.5
 }
 
 }  // namespace

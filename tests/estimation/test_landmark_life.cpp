@@ -1,0 +1,85 @@
+// Through the frame loop, with a belief that is told what to say: when landmarks are admitted and
+// pruned, and what is learnt of them for those that follow.
+#include <gmock/gmock.h>
+
+#include "tests/estimation/frame_loop_fixture.h"
+
+namespace slammot {
+namespace {
+
+using test::FakeBelief;
+using testing::IsEmpty;
+
+class LandmarkLife : public test::FrameLoopOf {};
+
+TEST_F(LandmarkLife, PrunesWhatIsNotMeasuredAndStartsItsTrackAnew) {
+  ModelOptions models;
+  models.policy.prune_after = 2;
+  start(models);
+  frame({});
+  frame({1});
+  EXPECT_EQ(loop_->records().at(1).label, Label::kUnknown);
+  frame({});
+  frame({});
+  const FrameReport report = frame({});
+  ASSERT_EQ(report.retired.size(), 1u);
+  EXPECT_EQ(report.retired[0].track, 1);
+  EXPECT_THAT(loop_->records(), IsEmpty());
+  EXPECT_EQ(frame({1}).admitted, 1);
+}
+
+TEST_F(LandmarkLife, PrunesAStaticLandmarkThatShouldBeInViewAndIsNot) {
+  ModelOptions models;
+  models.policy.prune_missed_after = 3;
+  start(models);
+  frame({1, 2});
+  belief_->state.at(2).in_view = true;
+  for (int i = 0; i < 3; ++i) frame({1});
+  EXPECT_TRUE(loop_->records().contains(2));  // straight ahead of the camera, three frames missed
+  frame({1});
+  EXPECT_FALSE(loop_->records().contains(2));
+}
+
+TEST_F(LandmarkLife, AdmitsWhatThereIsRoomFor) {
+  ModelOptions models;
+  models.policy.max_visible = 2;
+  start(models);
+  EXPECT_EQ(frame({1, 2, 3}).admitted, 2);
+  EXPECT_EQ(frame({1, 2, 3}).admitted, 0);  // two are measured
+  EXPECT_EQ(frame({1, 3}).admitted, 1);
+  EXPECT_EQ(frame({FakeBelief::kNoRay}).admitted, 0);
+  EXPECT_FALSE(loop_->records().contains(FakeBelief::kNoRay));
+}
+
+TEST_F(LandmarkLife, AdmitsAtTheThirdSightingOnProbation) {
+  ModelOptions models;
+  models.policy.probation = 3;
+  start(models);
+  EXPECT_EQ(frame({1}).admitted, 1);  // of the first frame, at once
+  EXPECT_EQ(frame({1, 2, FakeBelief::kRefused}).admitted, 0);
+  EXPECT_EQ(frame({1, 2, FakeBelief::kRefused}).admitted, 0);
+  const FrameReport report = frame({1, 2, 3, FakeBelief::kRefused});
+  EXPECT_EQ(report.admitted, 1);
+  EXPECT_EQ(report.accepted, 2);  // its third pixel is used in its frame
+  EXPECT_THAT(calls_, testing::Contains("add_seen").Times(2));
+  ASSERT_EQ(belief_->sightings.size(), 2u);
+  EXPECT_EQ(belief_->sightings.front().frames_before, 2);
+  EXPECT_EQ(loop_->records().at(2).first_frame, 1);
+  EXPECT_EQ(loop_->records().at(2).observations, 3);
+  EXPECT_FALSE(loop_->records().contains(FakeBelief::kRefused));
+  EXPECT_EQ(frame({1, 2, 3, FakeBelief::kRefused}).admitted, 0);  // both begin anew
+  EXPECT_EQ(frame({1, 2, 3}).admitted, 1);
+}
+
+TEST_F(LandmarkLife, LearnsTheDepthPriorFromStaticLandmarks) {
+  ModelOptions models;
+  models.depth_prior = DepthPriorSource::kEmpirical;
+  start(models);
+  frame({1, 2, 3, 4});
+  EXPECT_EQ(belief_->newest_prior.inverse_depth, setup_.prior.inverse_depth);
+  frame({1, 2, 3, 4, 5});
+  EXPECT_GT(belief_->newest_prior.inverse_depth, setup_.prior.inverse_depth);  // towards 0.5
+}
+
+}  // namespace
+}  // namespace slammot
