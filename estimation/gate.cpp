@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
+#include <numeric>
 
 #include "estimation/estimator.h"
 
@@ -40,11 +41,15 @@ void FrameGate::sort(const FrameInnovation& frame) {
   nis_.resize(n);
   nis_given_others_.resize(n);
   set_.clear();
+  asks_alone_ = true;
   for (std::size_t i = 0; i < n; ++i) {
     nis_[i] = squared(frame.nu[i], S(i, i));
-    if (nis_[i] <= alone_) set_.push_back(i);  // NaN does not
+    if (accepts_alone(i)) set_.push_back(i);  // NaN does not
   }
-  if (std::isfinite(given_others_)) keep_those_that_agree_with_one(frame);
+  if (std::isfinite(given_others_)) {
+    keep_those_that_agree_with_one(frame);
+    if (2 * set_.size() < n) begin_with_majority(frame);
+  }
   accept(frame);
   drop_worst();
   if (admit_others(frame)) {
@@ -74,6 +79,15 @@ void FrameGate::keep_those_that_agree_with_one(const FrameInnovation& frame) {
     if (agree_.size() > most_.size()) most_.swap(agree_);
   }
   set_.swap(most_);
+}
+
+void FrameGate::begin_with_majority(const FrameInnovation& frame) {
+  passing_ = set_;
+  set_.resize(frame.z.size());
+  std::iota(set_.begin(), set_.end(), std::size_t{0});
+  keep_those_that_agree_with_one(frame);
+  asks_alone_ = 2 * set_.size() <= frame.z.size();
+  if (asks_alone_) set_ = passing_;
 }
 
 // All of the set, in a and B.
@@ -158,7 +172,7 @@ bool FrameGate::admit_others(const FrameInnovation& frame) {
   agree_.clear();
   for (std::size_t i = 0; i < frame.z.size(); ++i) {
     const bool passes =
-        accepts(i) || (nis_[i] <= alone_ && given_accepted(frame, i) <= given_others_);
+        accepts(i) || (accepts_alone(i) && given_accepted(frame, i) <= given_others_);
     if (passes) agree_.push_back(i);
   }
   std::size_t before = 0;

@@ -9,6 +9,10 @@
 // measurement is first believed alone, and the one that most others agree with decides where to
 // begin (one-point consensus, Civera et al. 2010). Of those that agree the worst is let go, given
 // all others, until all pass. Then what passes given them comes in.
+//
+// A camera that moves as one frame in twenty has it takes all its points beyond a quantile of 95%
+// at once. So where fewer than half pass on their own and agree, it is asked which agree with one
+// whether or not they pass. If these are the majority, none is judged on its own in this frame.
 #pragma once
 
 #include <Eigen/Core>
@@ -43,7 +47,7 @@ class FrameGate {
 
   // Of the frame sorted last, by the place of the measurement.
   bool accepts(std::size_t i) const { return is_accepted_[i] != 0; }
-  bool accepts_alone(std::size_t i) const { return nis_[i] <= alone_; }
+  bool accepts_alone(std::size_t i) const { return !asks_alone_ || nis_[i] <= alone_; }
   double nis(std::size_t i) const { return nis_[i]; }                            // on its own
   double nis_given_others(std::size_t i) const { return nis_given_others_[i]; }  // those accepted
   // Whether it would pass if its landmark had moved by so many pixels (one sigma, either way).
@@ -54,6 +58,7 @@ class FrameGate {
   using Block = Eigen::Matrix2d;
   Block S(std::size_t i, std::size_t j) const;
   void keep_those_that_agree_with_one(const FrameInnovation& frame);
+  void begin_with_majority(const FrameInnovation& frame);
   void accept(const FrameInnovation& frame);
   void drop_worst();
   void drop(std::size_t k);
@@ -63,11 +68,12 @@ class FrameGate {
   double alone_, given_others_;  // thresholds
   double variance_;
   double joint_nis_ = 0.0;
+  bool asks_alone_ = true;
   std::vector<char> is_accepted_;
   std::vector<double> nis_, nis_given_others_;
-  std::vector<std::size_t> set_, agree_, most_;  // places of measurements
-  GrowingMatrix S_;                              // of all
-  GrowingMatrix L_, B_, a_;                      // of the set, in its order: S = L L', B, a
+  std::vector<std::size_t> set_, agree_, most_, passing_;  // places of measurements
+  GrowingMatrix S_;                                        // of all
+  GrowingMatrix L_, B_, a_;  // of the set, in its order: S = L L', B, a
   GrowingMatrix gain_, columns_;
 };
 

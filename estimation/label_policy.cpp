@@ -20,6 +20,7 @@ int motion_memory(const ModelOptions& models, const LandmarkFunctions& landmark)
 bool watches_innovations(const LabelOptions& options) { return reversible(options); }
 
 bool is_asked(const TrackRecord& record, const LabelOptions& options) {
+  if (record.observations < options.sightings) return false;
   return record.label == Label::kUnknown || (reversible(options) && record.label == Label::kMoving);
 }
 

@@ -13,7 +13,8 @@
 
 namespace slammot {
 
-// Whether the classifier is asked about this landmark in a frame that measured it.
+// Whether the classifier is asked about this landmark in a frame that measured it. Not before its
+// third sighting (LabelOptions::sightings): of two pixels one may be wrong, and nothing tells.
 bool is_asked(const TrackRecord& record, const LabelOptions& options);
 
 // The answer of the classifier. A moving landmark only ever hears that it is static.

@@ -5,6 +5,7 @@ namespace slammot {
 namespace {
 
 constexpr double kNearest = 0.01;  // [m]
+constexpr double kGrazing = 0.05;  // cosine to the optical axis: 87 degrees
 
 }  // namespace
 
@@ -14,7 +15,8 @@ std::optional<ObservedPixel> observe(const Camera& camera, const PointFunctions&
   const PointRay from_anchor = point.ray(y);
   const double rho = from_anchor.inverse_depth;
   const Eigen::Vector3d ray = ray_camera(r, R, anchor, from_anchor.direction, rho);
-  if (ray.norm() < kNearest * rho) return std::nullopt;
+  const double length = ray.norm();
+  if (length < kNearest * rho || ray.z() < kGrazing * length) return std::nullopt;
   const auto projection = camera.project(ray);
   if (!projection) return std::nullopt;
   const Matrix23d J_pixel_world = projection->J_pixel_ray * R.conjugate().toRotationMatrix();

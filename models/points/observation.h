@@ -21,7 +21,9 @@ struct ObservedPixel {
 };
 
 // Nothing when the landmark lies behind the camera, or within a centimetre of it: at the camera
-// itself every pixel costs nothing, and a smoother would be drawn into that pole.
+// itself every pixel costs nothing, and a smoother would be drawn into that pole. Nor near the
+// camera's plane, another pole, which no camera that this program knows has in its image: what a
+// Jacobian of 10^9 px m is eliminated from loses all its digits.
 std::optional<ObservedPixel> observe(const Camera& camera, const PointFunctions& point,
                                      const Eigen::Vector3d& r, const Eigen::Quaterniond& R,
                                      const Eigen::Vector3d& anchor, const Eigen::Vector3d& y);

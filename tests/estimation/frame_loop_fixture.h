@@ -19,6 +19,7 @@ class FrameLoopOf : public testing::Test {
   // Landmarks of the first frame are static by rule.
   void start(ModelOptions models) {
     models.labels.first_frame = FirstFrameLabels::kStatic;
+    models.labels.sightings = 2;
     start_with(models);
   }
   void start_with(const ModelOptions& models) {

@@ -149,6 +149,7 @@ TEST_F(FrameLoopOf, UndoesTheSurestOfAFrame) {
 TEST_F(FrameLoopOf, StartsOverWithTheLabelsOfTheFirstFrame) {
   ModelOptions models;
   models.labels.start = 3;
+  models.labels.sightings = 2;
   models.classifier.name = "thesis";
   start_with(models);
   frame({1, 2});

@@ -73,6 +73,33 @@ TEST(FrameGate, NisGivenOthersIsThatOfTheConditionalGaussian) {
   EXPECT_NEAR(gate.joint_nis(), world.nu().dot(S.inverse() * world.nu()), 1e-9);
 }
 
+// Three sigma of the camera, which one frame in a hundred has, put all beyond a quantile of 95%.
+TEST(FrameGate, BelievesMostOfAFrameAgainstItsPrediction) {
+  constexpr std::size_t kAll = 30, kOutliers = 8;
+  World world(kAll, 13.0, 0.5, 5);
+  for (std::size_t i = 0; i < kAll; ++i) {
+    world.frame.nu[i] += Eigen::Vector2d(39.0, 39.0);
+    if (i < kOutliers) world.frame.nu[i] += Eigen::Vector2d(0.0, 20.0);
+  }
+  FrameGate gate({0.95, 0.999}, 1.0);
+  gate.sort(world.frame);
+  for (std::size_t i = 0; i < kAll; ++i) EXPECT_EQ(gate.accepts(i), i >= kOutliers) << i;
+  for (std::size_t i = kOutliers; i < kAll; ++i) EXPECT_TRUE(gate.accepts_alone(i)) << i;
+}
+
+// Without a majority each is judged on its own, as before.
+TEST(FrameGate, DoesNotBelieveAMinority) {
+  constexpr std::size_t kAll = 30;
+  World world(kAll, 13.0, 0.5, 6);
+  for (std::size_t i = 0; i < kAll; ++i) {
+    const double turn = static_cast<double>(i % 3) * 2.1;
+    world.frame.nu[i] = Eigen::Vector2d(60.0 * std::cos(turn), 60.0 * std::sin(turn));
+  }
+  FrameGate gate({0.95, 0.999}, 1.0);
+  gate.sort(world.frame);
+  EXPECT_EQ(accepted(gate, kAll), 0);
+}
+
 // Ten pixels of 60 off by 20 sigma of their own, which the camera's 13 px hide from a gate that
 // looks at each on its own.
 TEST(FrameGate, FindsOutliersThatTheCamerasErrorHides) {

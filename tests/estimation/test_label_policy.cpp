@@ -68,8 +68,17 @@ TEST(Reversible, WhatIsKnownBeforehandStays) {
   EXPECT_FALSE(is_rejected(record, reversible()));
 }
 
+TEST(Reversible, NoneIsLabelledBeforeItsThirdSighting) {
+  TrackRecord record = initialised(1, 0, Label::kUnknown, {});
+  note_accepted(record, 1);
+  EXPECT_FALSE(is_asked(record, reversible()));
+  note_accepted(record, 2);
+  EXPECT_TRUE(is_asked(record, reversible()));
+}
+
 TEST(Reversible, AMovingLandmarkMayStop) {
   TrackRecord record = initialised(1, 0, Label::kMoving, {});
+  record.observations = 3;
   EXPECT_FALSE(is_asked(record, with_rule(LabelRule::kOneWay)));
   EXPECT_TRUE(is_asked(record, reversible()));
   note_answer(record, Label::kUnknown, 3);

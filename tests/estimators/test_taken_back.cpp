@@ -10,6 +10,7 @@
 #include "estimation/classification.h"
 #include "eval/run/process.h"
 #include "eval/run/run.h"
+#include "eval/statistics/statistics.h"
 
 namespace slammot {
 namespace {
@@ -54,25 +55,28 @@ class TakenBack : public testing::TestWithParam<std::string> {
     ASSERT_TRUE(added);
   }
 
-  // Of the position, root mean square over the runs [m].
+  // Of the position, root mean square over the frames [m]; the median of the runs. A mean would be
+  // that of one run: the EKF loses its way on seed 7 (0.65 m) with or without the mistakes, by
+  // chance.
   static double error(const std::string& classifier, int memory) {
     Configuration configuration;
     configuration.model.classifier.name = classifier;
     configuration.model.labels.memory = memory;
     const int seeds = GetParam() == "window" ? 3 : 8;  // a window takes seconds
-    double square = 0.0;
+    std::vector<double> errors;
     for (int seed = 1; seed <= seeds; ++seed) {
       const Sequence sequence =
           simulate("circle", {{"frames", "90"}}, static_cast<std::uint64_t>(seed));
       const RunResult result = run_estimator(sequence, configuration, GetParam());
       EXPECT_FALSE(result.diverged);
+      double square = 0.0;
       for (std::size_t i = 0; i < result.filtered.size(); ++i) {
         const Eigen::Vector3d& p = result.filtered[i].state.position;
-        square += (p - sequence.truth[i]->position).squaredNorm() /
-                  static_cast<double>(seeds * std::ssize(result.filtered));
+        square += (p - sequence.truth[i]->position).squaredNorm();
       }
+      errors.push_back(std::sqrt(square / static_cast<double>(std::ssize(result.filtered))));
     }
-    return std::sqrt(square);
+    return median(std::move(errors));
   }
 };
 

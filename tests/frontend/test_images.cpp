@@ -10,6 +10,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "datasets/native/native_reader.h"
+#include "frontend/tracking/noise.h"
 #include "tests/eval/fixture.h"
 #include "tests/paths.h"
 
@@ -175,7 +176,7 @@ TEST_F(Images, OfWhichAllAreTheSame) {
   }
   test::write_text(sequence() / "frames.csv", frames);
   ASSERT_EQ(track(), 0) << error_;
-  EXPECT_EQ(read_native(output()).pixel_sigma, 0.5);  // measured: none
+  EXPECT_EQ(read_native(output()).pixel_sigma, kLeastStated);  // measured: none
 }
 
 TEST_F(Images, AreNotReplacedByTheirMeasurements) {

@@ -104,6 +104,21 @@ TEST_P(ObservationJacobians, PixelOfALandmark) {
   expect_jacobians_of_every_pixel(GetParam(), static_cast<const PointParametrisations*>(nullptr));
 }
 
+// The camera's plane is a pole of h, where Jacobians grow beyond what can be eliminated.
+TEST(Observation, CountsForNothingNearThePlaneOfTheCamera) {
+  constexpr PointFunctions kPoint = point_row<InverseDepth>();
+  const Camera camera;
+  const auto seen = [&](double degrees) {
+    const double angle = degrees * M_PI / 180.0;
+    const Eigen::Vector3d direction(std::sin(angle), 0.0, std::cos(angle));
+    return observe(camera, kPoint, Eigen::Vector3d::Zero(), Eigen::Quaterniond::Identity(),
+                   Eigen::Vector3d::Zero(), kPoint.of(direction, 0.1, Eigen::Vector3d::Zero()));
+  };
+  ASSERT_TRUE(seen(86.0));
+  EXPECT_LT(seen(86.0)->J_y.cwiseAbs().maxCoeff(), 1e3 * camera.fx);
+  EXPECT_FALSE(seen(88.0));
+}
+
 TEST_P(ObservationJacobians, InitialisationInvertsObservation) {
   Random random;
   const Camera& camera = GetParam();
