@@ -15,6 +15,7 @@
 #include "datasets/text/printable.h"
 #include "eval/provenance/provenance.h"
 #include "eval/run/process.h"
+#include "frontend/rendering/rendered_scenario.h"
 
 namespace slammot::app {
 namespace {
@@ -88,6 +89,7 @@ void add(const Extras& extras) {
   add_estimators({&five_point, 1});
   add_estimators(extras.estimators);
   add_readers(extras.readers);
+  add_scenarios(rendered_scenarios());
   add_scenarios(extras.scenarios);
   add_metrics(extras.metrics);
 }

@@ -23,8 +23,6 @@ struct SimulateArguments {
   bool force = false;
 };
 
-constexpr char kRoom[] = "room";  // the one scene with surfaces
-
 std::string scenario_help(std::string_view name, std::string_view description,
                           const std::vector<ScenarioParameter>& parameters) {
   std::string text = fmt::format("{}: {}\n", name, description);
@@ -40,19 +38,26 @@ std::string parameters_help() {
     text += scenario_help(row.name, row.description, row.parameters());
   }
   RoomOptions room;
-  return text + scenario_help(kRoom, "with --render: textured walls and boxes, some of them moving",
+  return text + scenario_help(name_of(room.scene),
+                              "with --render: textured walls and boxes, some of them moving",
                               describe(parameters(room)));
+}
+
+// Of the scenes with surfaces.
+RoomOptions rendered_options(const std::string& scenario) {
+  const RoomOptions room, basement = basement_options();
+  if (scenario.empty() || scenario == name_of(room.scene)) return room;
+  if (scenario == name_of(basement.scene)) return basement;
+  throw std::invalid_argument(
+      fmt::format("scenario '{}' has points, no surfaces: only '{}' and '{}' can be rendered",
+                  scenario, name_of(room.scene), name_of(basement.scene)));
 }
 
 // Images only; `slammot track` makes the measurements and their truth.
 void render_images(const SimulateArguments& arguments) {
-  const std::string& scenario = arguments.scenario.scenario;
-  if (!scenario.empty() && scenario != kRoom) {
-    throw std::invalid_argument(fmt::format(
-        "scenario '{}' has points, no surfaces: only '{}' can be rendered", scenario, kRoom));
-  }
-  const Sequence sequence =
-      write_room(overrides_of(arguments.scenario), arguments.scenario.seed, arguments.output);
+  const RoomOptions options = rendered_options(arguments.scenario.scenario);
+  const Sequence sequence = write_room(options, overrides_of(arguments.scenario),
+                                       arguments.scenario.seed, arguments.output);
   fmt::print("{}: {} images, seed {}\n{}\n", sequence.name, sequence.frames.size(),
              arguments.scenario.seed, arguments.output);
 }

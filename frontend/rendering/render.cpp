@@ -9,15 +9,14 @@
 namespace slammot {
 namespace {
 
-constexpr int kSamples = 2;  // of a pixel, along each side
 constexpr int kExposureSteps = 8;
 
 // Rays of all samples of all pixels in the camera frame, row by row.
-std::vector<Eigen::Vector3d> sample_rays(const Camera& camera) {
+std::vector<Eigen::Vector3d> sample_rays(const Camera& camera, int n) {
   std::vector<Eigen::Vector3d> rays;
-  for (int v = 0; v < camera.height * kSamples; ++v) {
-    for (int u = 0; u < camera.width * kSamples; ++u) {
-      const Eigen::Vector2d pixel((u + 0.5) / kSamples - 0.5, (v + 0.5) / kSamples - 0.5);
+  for (int v = 0; v < camera.height * n; ++v) {
+    for (int u = 0; u < camera.width * n; ++u) {
+      const Eigen::Vector2d pixel((u + 0.5) / n - 0.5, (v + 0.5) / n - 0.5);
       const auto bearing = camera.unproject(pixel);
       if (!bearing) throw std::invalid_argument("the lens has no inverse at the image's corner");
       rays.push_back(bearing->ray);
@@ -26,11 +25,11 @@ std::vector<Eigen::Vector3d> sample_rays(const Camera& camera) {
   return rays;
 }
 
-cv::Mat instant(const Room& room, const cv::Size& size, const std::vector<Eigen::Vector3d>& rays,
-                double time) {
+cv::Mat instant(const Room& room, const cv::Size& size, int n,
+                const std::vector<Eigen::Vector3d>& rays, double time) {
   const CameraState camera = room.camera_at(time);
   const Eigen::Matrix3d R = camera.orientation.toRotationMatrix();
-  cv::Mat samples(size * kSamples, CV_32F);
+  cv::Mat samples(size * n, CV_32F);
   cv::parallel_for_({0, samples.rows}, [&](const cv::Range& rows) {
     for (int v = rows.start; v < rows.end; ++v) {
       auto ray = rays.begin() + static_cast<std::ptrdiff_t>(v) * samples.cols;
@@ -59,13 +58,13 @@ void add_grain(double sigma, std::uint64_t seed, int frame, cv::Mat& image) {
 
 cv::Mat render(const Room& room, const RoomOptions& options, std::uint64_t seed, int frame) {
   const Camera camera = room.camera();
-  const std::vector<Eigen::Vector3d> rays = sample_rays(camera);
+  const std::vector<Eigen::Vector3d> rays = sample_rays(camera, options.samples);
   const cv::Size size(camera.width, camera.height);
   const int steps = options.exposure > 0.0 ? kExposureSteps : 1;
   cv::Mat sum = cv::Mat::zeros(size, CV_32F);
   for (int k = 0; k < steps; ++k) {
     const double offset = ((k + 0.5) / steps - 0.5) * options.exposure;
-    sum += instant(room, size, rays, frame / options.rate + offset);
+    sum += instant(room, size, options.samples, rays, frame / options.rate + offset);
   }
   sum /= steps;
   if (options.blur > 0.0) cv::GaussianBlur(sum, sum, {0, 0}, options.blur);

@@ -21,14 +21,15 @@ Sequence room_sequence(const RoomOptions& options, std::uint64_t seed);
 void require_own_room(const std::filesystem::path& folder);
 
 // Writes a native folder of that sequence without observations, its images, and room.yaml, from
-// which the truth of any pixel can be had again. Overrides as `slammot simulate --set`; throws
-// std::invalid_argument for what is not allowed, or as require_own_room().
-Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
+// which the truth of any pixel can be had again. Overrides of the options as `slammot simulate
+// --set`; throws std::invalid_argument for what is not allowed, or as require_own_room().
+Sequence write_room(RoomOptions options, const ScenarioOverrides& overrides, std::uint64_t seed,
                     const std::filesystem::path& folder);
 
 // Where `images` (a folder with room.yaml; else nothing is done) was rendered: fills the truth of
 // every track of `sequence`, which is where its first pixel lies on a surface, and states four
 // known points of the first frame.
 void add_room_truth(const std::filesystem::path& images, Sequence& sequence);
+void add_room_truth(const Room& room, std::uint64_t seed, Sequence& sequence);
 
 }  // namespace slammot

@@ -4,9 +4,18 @@
 #include <cmath>
 #include <numbers>
 
-#include "datasets/simulation/scene/random_stream.h"
-
 namespace slammot {
+
+std::string_view name_of(RoomScene scene) {
+  return scene == RoomScene::kBasement ? "basement" : "room";
+}
+
+RoomBox box_at(const Eigen::Vector3d& centre, const Eigen::Vector3d& size, std::uint32_t texture) {
+  RoomBox box;
+  box.at_start = {centre - size / 2.0, centre + size / 2.0};
+  box.texture = texture;
+  return box;
+}
 
 Parameters parameters(RoomOptions& o) {
   return {
@@ -20,30 +29,13 @@ Parameters parameters(RoomOptions& o) {
       {"blur", "sigma of the optics' blur [px]", &o.blur, 0},
       {"exposure", "time over which an image is averaged [s]", &o.exposure, 0},
       {"grain", "sigma of the sensor's noise [grey levels]", &o.grain, 0},
-      {"bodies", "that move through the room", &o.bodies, 0},
+      {"samples", "rays of a pixel, along each side", &o.samples, 1},
+      {"bodies", "that move through the room; basement: passages of the person", &o.bodies, 0},
       {"body_speed", "[m/s]", &o.body_speed, kAbove0},
   };
 }
 
 namespace {
-
-RoomBox box(const Eigen::Vector3d& centre, const Eigen::Vector3d& size, std::uint32_t texture) {
-  return {{centre - size / 2.0, centre + size / 2.0}, Eigen::Vector3d::Zero(), texture};
-}
-
-// Enters from the left or the right, outside the first image, at a depth of its own.
-RoomBox moving_box(const RoomOptions& options, int k, RandomStream& random) {
-  const double side = k % 2 == 0 ? -1.0 : 1.0;
-  const double depth = random.uniform(2.2, 3.8);
-  const double edge = depth * std::tan(options.field_of_view_deg / 360.0 * std::numbers::pi);
-  const double size = random.uniform(0.5, 0.8);
-  const int row = k / 2;
-  const double outside = edge + size + 0.6 * row;
-  RoomBox body = box({side * outside, random.uniform(-0.7, 0.7), depth},
-                     Eigen::Vector3d::Constant(size), static_cast<std::uint32_t>(100 + k));
-  body.velocity = {-side * options.body_speed, 0.0, random.uniform(-0.2, 0.2)};
-  return body;
-}
 
 struct Interval {
   double from, to;
@@ -89,14 +81,10 @@ double noise(const Eigen::Vector3d& p, std::uint32_t texture) {
 Room::Room(const RoomOptions& options, std::uint64_t seed) : options_(options) {
   RandomStream random(seed, "room");
   const auto base = static_cast<std::uint32_t>(random.below(1 << 30));
-  walls_ = box({0.0, 0.0, 2.5}, {11.0, 3.2, 9.0}, base);
-  boxes_.push_back(box({-1.6, 0.9, 4.2}, {0.9, 1.4, 0.9}, base + 1));
-  boxes_.push_back(box({1.4, 0.6, 5.2}, {1.2, 2.0, 0.8}, base + 2));
-  boxes_.push_back(box({0.3, -1.3, 3.6}, {0.8, 0.6, 0.8}, base + 3));
-  for (int k = 0; k < options.bodies; ++k) {
-    boxes_.push_back(moving_box(options, k, random));
-    boxes_.back().texture += base;
-  }
+  plan_ = options.scene == RoomScene::kBasement ? basement(options, random)
+                                                : small_room(options, random);
+  plan_.walls.texture += base;
+  for (RoomBox& box : plan_.boxes) box.texture += base;
 }
 
 Camera Room::camera() const {
@@ -113,22 +101,11 @@ Camera Room::camera() const {
   return camera;
 }
 
-// To and fro before the far wall, slowly nearer, looking a little to the sides.
-CameraState Room::camera_at(double time) const {
-  constexpr double kTurn = 2.0 * std::numbers::pi;
-  const double a = kTurn / 5.0, b = kTurn / 7.0, c = kTurn / 6.0;  // [rad/s]
-  CameraState state;
-  state.position = {0.8 * std::sin(a * time), 0.15 * (1.0 - std::cos(b * time)), 0.12 * time};
-  state.velocity = {0.8 * a * std::cos(a * time), 0.15 * b * std::sin(b * time), 0.12};
-  const double yaw = -0.15 * std::sin(c * time);
-  state.orientation = exp_so3(Eigen::Vector3d(0.0, yaw, 0.0));
-  state.angular_velocity = {0.0, -0.15 * c * std::cos(c * time), 0.0};
-  return state;
-}
-
 RoomHit Room::cast(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, double time) const {
-  RoomHit hit{inside(walls_.at_start, from, ray).to, &walls_, Eigen::Vector3d::Zero()};
-  for (const RoomBox& candidate : boxes_) {
+  const RoomBox& walls = plan_.walls;
+  RoomHit hit{inside(walls.at_start, from, ray).to, &walls, Eigen::Vector3d::Zero()};
+  for (const RoomBox& candidate : plan_.boxes) {
+    if (time < candidate.from || time > candidate.to) continue;
     const Interval interval = inside(candidate.at_start, from - candidate.velocity * time, ray);
     if (interval.from > interval.to || interval.from <= 0.0 || interval.from >= hit.distance) {
       continue;

@@ -1,6 +1,7 @@
 // A room to be rendered: textured walls, boxes that stand in it and boxes that move through it, and
 // the path of a camera. Everything is exact, so that truth is known for whatever the front end
-// picks out.
+// picks out. There are two plans: `room`, small and seen from one end, and `basement`, as large as
+// that of the thesis's real experiment (4.1.2), with a loop and a person (basement.cpp).
 //
 // World W: y down, the camera starts at the origin and looks along z. Boxes have their sides along
 // the axes and move at constant velocity; their texture is solid (a function of the place within
@@ -9,15 +10,23 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
+#include <limits>
+#include <string_view>
 #include <vector>
 
 #include "datasets/simulation/scene/parameters.h"
+#include "datasets/simulation/scene/random_stream.h"
 #include "models/camera.h"
 #include "models/camera_state.h"
 
 namespace slammot {
 
+enum class RoomScene { kRoom, kBasement };
+std::string_view name_of(RoomScene scene);
+
 struct RoomOptions {
+  RoomScene scene = RoomScene::kRoom;
   int frames = 75;
   double rate = 15.0;  // [Hz]
   int width = 320, height = 240;
@@ -26,15 +35,20 @@ struct RoomOptions {
   double blur = 0.7;                 // sigma of the optics' blur [px]
   double exposure = 0.0;             // [s]; the image is the mean over it: motion blur
   double grain = 2.0;                // sigma of the sensor's noise [grey levels]
-  int bodies = 3;                    // that move
+  int samples = 2;                   // rays of a pixel along each side
+  int bodies = 3;                    // that move; basement: how often the person passes
   double body_speed = 1.0;           // [m/s]
 };
+RoomOptions basement_options();  // its defaults: the thesis's camera
 Parameters parameters(RoomOptions& options);
 
 struct RoomBox {
   Eigen::AlignedBox3d at_start;  // W, at time 0
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
   std::uint32_t texture = 0;
+  // When it is in the room [s].
+  double from = -std::numeric_limits<double>::infinity();
+  double to = std::numeric_limits<double>::infinity();
 
   bool moves() const { return !velocity.isZero(0.0); }
 };
@@ -45,19 +59,29 @@ struct RoomHit {
   Eigen::Vector3d at_start;  // the point, where it was at time 0 (W)
 };
 
+RoomBox box_at(const Eigen::Vector3d& centre, const Eigen::Vector3d& size, std::uint32_t texture);
+
+// What a scene is made of. Textures are counted from 0; each seed adds its own number.
+struct RoomPlan {
+  RoomBox walls;  // seen from inside
+  std::vector<RoomBox> boxes;
+  std::function<CameraState(double time)> camera_at;
+};
+RoomPlan small_room(const RoomOptions& options, RandomStream& random);
+RoomPlan basement(const RoomOptions& options, RandomStream& random);
+
 class Room {
  public:
   Room(const RoomOptions& options, std::uint64_t seed);
 
   Camera camera() const;
-  CameraState camera_at(double time) const;
+  CameraState camera_at(double time) const { return plan_.camera_at(time); }
   // What a ray from inside the room meets first.
   RoomHit cast(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, double time) const;
 
  private:
   RoomOptions options_;
-  RoomBox walls_;  // seen from inside
-  std::vector<RoomBox> boxes_;
+  RoomPlan plan_;
 };
 
 // Brightness of a point, 0 to 255.

@@ -42,7 +42,8 @@ LandmarkPrior seen_depths(const Room& room, const RoomOptions& options) {
 }
 
 std::string room_text(RoomOptions options, std::uint64_t seed) {
-  std::string text = fmt::format("{}\nseed: {}\n", kRoomOutput.begins, seed);
+  std::string text =
+      fmt::format("{}\nseed: {}\nscene: {}\n", kRoomOutput.begins, seed, name_of(options.scene));
   for (const ScenarioParameter& parameter : describe(parameters(options))) {
     text += fmt::format("{}: {}\n", parameter.name, parameter.value);
   }
@@ -63,10 +64,16 @@ StoredRoom read_room_file(const std::filesystem::path& file) {
   const auto seed = parse_number<std::uint64_t>(map.text("seed"));
   if (!seed) map.refuse(map.take("seed"), "'seed' must be a whole number, not negative");
   stored.seed = *seed;
+  const std::string scene = map.has("scene") ? map.text("scene") : std::string(name_of({}));
+  if (scene == name_of(RoomScene::kBasement)) {
+    stored.options = basement_options();
+  } else if (scene != name_of(RoomScene::kRoom)) {
+    map.refuse(map.take("scene"), "'scene' must be room or basement");
+  }
   const Parameters table = parameters(stored.options);
   ScenarioOverrides values;
   for (const ScenarioParameter& parameter : describe(table)) {
-    values[parameter.name] = map.text(parameter.name);
+    if (map.has(parameter.name)) values[parameter.name] = map.text(parameter.name);
   }
   map.finish();
   try {
@@ -82,7 +89,7 @@ StoredRoom read_room_file(const std::filesystem::path& file) {
 Sequence room_sequence(const RoomOptions& options, std::uint64_t seed) {
   const Room room(options, seed);
   Sequence sequence;
-  sequence.name = fmt::format("room-{}", seed);
+  sequence.name = fmt::format("{}-{}", name_of(options.scene), seed);
   sequence.camera = room.camera();
   sequence.exact_truth = true;
   for (int i = 0; i < options.frames; ++i) {
@@ -106,10 +113,9 @@ void require_own_room(const std::filesystem::path& folder) {
                               "not replaced");
 }
 
-Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
+Sequence write_room(RoomOptions options, const ScenarioOverrides& overrides, std::uint64_t seed,
                     const std::filesystem::path& folder) {
-  RoomOptions options;
-  apply(overrides, "room", parameters(options));
+  apply(overrides, name_of(options.scene), parameters(options));
   Sequence sequence = room_sequence(options, seed);
   require_own_room(folder);
   OutputFiles files;
@@ -128,7 +134,10 @@ Sequence write_room(const ScenarioOverrides& overrides, std::uint64_t seed,
 void add_room_truth(const std::filesystem::path& images, Sequence& sequence) {
   if (!std::filesystem::exists(images / kRoomOutput.mark)) return;
   const StoredRoom stored = read_room_file(images / kRoomOutput.mark);
-  const Room room(stored.options, stored.seed);
+  add_room_truth(Room(stored.options, stored.seed), stored.seed, sequence);
+}
+
+void add_room_truth(const Room& room, std::uint64_t seed, Sequence& sequence) {
   std::map<int, RoomHit> hits;
   for (const Frame& frame : sequence.frames) {
     const CameraState camera = room.camera_at(frame.timestamp);
@@ -146,7 +155,7 @@ void add_room_truth(const std::filesystem::path& images, Sequence& sequence) {
     }
   }
   sequence.exact_truth = true;
-  sequence.known = choose_known(KnownOptions{}, sequence, stored.seed);
+  sequence.known = choose_known(KnownOptions{}, sequence, seed);
 }
 
 }  // namespace slammot

@@ -21,20 +21,20 @@ struct Loaded {
   std::optional<InputError> error;
 };
 
-Loaded load(ImageSource& source, const std::filesystem::path& file) {
+Loaded load(const ImageFunction& image, size_t place) {
   try {
-    return {source.read(file), std::nullopt};
+    return {image(place), std::nullopt};
   } catch (const InputError& error) {
     return {{}, error};
   }
 }
 
-// The images in order, the next one being decoded while the caller is at work.
+// The images in order, the next one being made while the caller is at work.
 class ImageStream {
  public:
-  ImageStream(const Sequence& images, const TrackOptions& options)
-      : images_(images),
-        source_({images.camera.width, images.camera.height}, options.mixed_colours),
+  ImageStream(size_t count, const ImageFunction& image, const TrackOptions& options)
+      : count_(count),
+        image_(image),
         policy_(options.threads == 1 ? std::launch::deferred : std::launch::async) {
     request();
   }
@@ -46,13 +46,13 @@ class ImageStream {
 
  private:
   void request() {
-    if (next_ == images_.images.size()) return;
-    const std::filesystem::path file = images_.folder / images_.images[next_++];
-    pending_ = std::async(policy_, [this, file] { return load(source_, file); });
+    if (next_ == count_) return;
+    const size_t place = next_++;
+    pending_ = std::async(policy_, [this, place] { return load(image_, place); });
   }
 
-  const Sequence& images_;
-  ImageSource source_;
+  size_t count_;
+  const ImageFunction& image_;
   std::launch policy_;
   size_t next_ = 0;
   std::future<Loaded> pending_;  // last: its task ends before what it uses
@@ -120,10 +120,11 @@ Sequence without_frames(const Sequence& images) {
   return sequence;
 }
 
-void track_all(const Sequence& images, const TrackOptions& options, TrackedImages& result) {
+void track_all(const Sequence& images, const ImageFunction& image, const TrackOptions& options,
+               TrackedImages& result) {
   Sequence& sequence = result.sequence;
   Tracker tracker(options.tracker);
-  ImageStream stream(images, options);
+  ImageStream stream(images.images.size(), image, options);
   std::optional<BoardView> board;
   for (size_t i = 0; i < images.images.size(); ++i) {
     const Loaded loaded = stream.next();
@@ -163,14 +164,21 @@ void track_all(const Sequence& images, const TrackOptions& options, TrackedImage
 
 }  // namespace
 
-TrackedImages track_images(const Sequence& images, const TrackOptions& options) try {
+TrackedImages track_images(const Sequence& images, const TrackOptions& options) {
+  if (!options.skip_bad_frames) refuse_missing(images);
+  ImageSource source({images.camera.width, images.camera.height}, options.mixed_colours);
+  const auto read = [&](size_t place) { return source.read(images.folder / images.images[place]); };
+  return track_images(images, read, options);
+}
+
+TrackedImages track_images(const Sequence& images, const ImageFunction& image,
+                           const TrackOptions& options) try {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   // More than there are cores gain nothing, and a process may have only so many.
   cv::setNumThreads(options.threads == 0 ? -1 : std::min(options.threads, cv::getNumberOfCPUs()));
-  if (!options.skip_bad_frames) refuse_missing(images);
   TrackedImages result;
   result.sequence = without_frames(images);
-  track_all(images, options, result);
+  track_all(images, image, options, result);
   std::set<int> tracks;
   for (const Frame& frame : result.sequence.frames) {
     for (const Observation& z : frame.observations) tracks.insert(z.track);

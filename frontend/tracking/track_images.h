@@ -35,4 +35,10 @@ struct TrackedImages {
 // is not found; std::runtime_error for what OpenCV refuses.
 TrackedImages track_images(const Sequence& images, const TrackOptions& options);
 
+// The same of images that are no files: `image` gives that of each place of `images.frames`, 8-bit
+// grey, and is called in their order.
+using ImageFunction = std::function<cv::Mat(std::size_t place)>;
+TrackedImages track_images(const Sequence& images, const ImageFunction& image,
+                           const TrackOptions& options);
+
 }  // namespace slammot

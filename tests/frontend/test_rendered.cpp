@@ -46,7 +46,7 @@ class Rendered : public ::testing::Test {
   // One thread: ThreadSanitizer does not see that OpenCV's threads wait for each other (tsan.supp).
   static void SetUpTestSuite() {
     cv::setNumThreads(1);
-    write_room({{"frames", "45"}, {"k1", "-0.1"}, {"width", "320"}}, 1, folder() / "room");
+    write_room({}, {{"frames", "45"}, {"k1", "-0.1"}, {"width", "320"}}, 1, folder() / "room");
     TrackOptions options;
     options.threads = 1;
     TrackedImages tracked = track_images(read_images(folder() / "room"), options);

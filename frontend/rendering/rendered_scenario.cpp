@@ -1,0 +1,92 @@
+#include "frontend/rendering/rendered_scenario.h"
+
+#include <deque>
+#include <future>
+#include <mutex>
+
+#include "frontend/rendering/render.h"
+#include "frontend/tracking/track_images.h"
+
+namespace slammot {
+namespace {
+
+Sequence rendered(const RoomOptions& options, std::uint64_t seed) {
+  const Room room(options, seed);
+  const Sequence images = room_sequence(options, seed);
+  TrackOptions one_thread;  // a study runs a job on each core
+  one_thread.threads = 1;
+  const auto image = [&](std::size_t place) {
+    return render(room, options, seed, static_cast<int>(place));
+  };
+  Sequence sequence = track_images(images, image, one_thread).sequence;
+  sequence.images.clear();
+  add_room_truth(room, seed, sequence);
+  return sequence;
+}
+
+// Those that are being made are waited for, not made again.
+class LatestSequences {
+ public:
+  Sequence get(const RoomOptions& options, std::uint64_t seed) {
+    std::promise<Sequence> made;
+    std::shared_future<Sequence> sequence;
+    bool is_new = false;
+    {
+      const std::lock_guard lock(mutex_);
+      const std::string key = key_of(options, seed);
+      const auto found = std::ranges::find(kept_, key, &Kept::key);
+      is_new = found == kept_.end();
+      sequence = is_new ? made.get_future().share() : found->sequence;
+      if (is_new) kept_.push_back({key, sequence});
+      if (kept_.size() > kMost) kept_.pop_front();
+    }
+    if (is_new) make(options, seed, made);
+    return sequence.get();
+  }
+
+ private:
+  static constexpr std::size_t kMost = 64;
+  struct Kept {
+    std::string key;
+    std::shared_future<Sequence> sequence;
+  };
+
+  static std::string key_of(RoomOptions options, std::uint64_t seed) {
+    std::string key = std::to_string(seed);
+    for (const ScenarioParameter& p : describe(parameters(options))) key += ' ' + p.value;
+    return key;
+  }
+  static void make(const RoomOptions& options, std::uint64_t seed, std::promise<Sequence>& made) {
+    try {
+      made.set_value(rendered(options, seed));
+    } catch (...) {
+      made.set_exception(std::current_exception());
+    }
+  }
+
+  std::mutex mutex_;
+  std::deque<Kept> kept_;
+};
+
+Sequence simulate_basement(std::string_view name, const ScenarioOverrides& overrides,
+                           std::uint64_t seed) {
+  static LatestSequences latest;
+  RoomOptions options = basement_options();
+  apply(overrides, name, parameters(options));
+  return latest.get(options, seed);
+}
+
+std::vector<ScenarioParameter> basement_parameters() {
+  RoomOptions options = basement_options();
+  return describe(parameters(options));
+}
+
+constexpr ScenarioRow kRows[] = {
+    {"basement", "from pixels: a robot's loop in a rendered room, a person passes three times",
+     simulate_basement, basement_parameters}};
+
+}  // namespace
+
+std::span<const ScenarioRow> rendered_scenarios() { return kRows; }
+
+}  // namespace slammot
