@@ -1,0 +1,140 @@
+// The rendered basement: a loop that closes, a person who passes three times, and the way from its
+// pixels to a sequence with truth.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "datasets/readers/image_reader.h"
+#include "frontend/rendering/render.h"
+#include "frontend/rendering/rendered_scenario.h"
+#include "frontend/tracking/track_images.h"
+
+namespace slammot {
+namespace {
+
+constexpr double kStep = 1e-5;  // [s]
+
+TEST(Basement, VelocitiesAreThoseOfThePath) {
+  const Room room(basement_options(), 3);
+  for (double time = 1.0; time < 137.0; time += 4.7) {
+    const CameraState before = room.camera_at(time - kStep), at = room.camera_at(time),
+                      after = room.camera_at(time + kStep);
+    const Eigen::Vector3d v = (after.position - before.position) / (2.0 * kStep);
+    const Eigen::Vector3d omega =
+        log_so3(before.orientation.conjugate() * after.orientation) / (2.0 * kStep);
+    EXPECT_LT((v - at.velocity).norm(), 1e-7) << time;
+    EXPECT_LT((omega - at.angular_velocity).norm(), 1e-7) << time;
+  }
+}
+
+TEST(Basement, TheLoopIsClosedAndPassesItsStart) {
+  const RoomOptions options = basement_options();
+  const Room room(options, 3);
+  const CameraState start = room.camera_at(0.0);
+  double nearest = 100.0;
+  for (int frame = options.frames / 2; frame < options.frames; ++frame) {
+    const CameraState at = room.camera_at(frame / options.rate);
+    nearest = std::min(nearest, (at.position - start.position).norm() +
+                                    at.orientation.angularDistance(start.orientation));
+  }
+  EXPECT_LT(nearest, 0.02);
+  EXPECT_GT((room.camera_at(60.0).position - start.position).norm(), 4.0);
+}
+
+// Rays through the pixels of a coarse grid that meet a body.
+int rays_on_person(const Room& room, const RoomOptions& options, int frame) {
+  const Camera camera = room.camera();
+  const double time = frame / options.rate;
+  const CameraState at = room.camera_at(time);
+  int count = 0;
+  for (int v = 4; v < camera.height; v += 8) {
+    for (int u = 4; u < camera.width; u += 8) {
+      const Eigen::Vector3d ray = at.orientation * camera.unproject(Eigen::Vector2d(u, v))->ray;
+      count += room.cast(at.position, ray, time).box->moves() ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+TEST(Basement, ThePersonPassesThreeTimes) {
+  const RoomOptions options = basement_options();
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Room room(options, seed);
+    int passages = 0;
+    bool was_seen = false;
+    for (int frame = 0; frame < options.frames; frame += 6) {
+      const bool is_seen = rays_on_person(room, options, frame) > 0;
+      passages += is_seen && !was_seen ? 1 : 0;
+      was_seen = is_seen;
+    }
+    EXPECT_EQ(passages, 3) << seed;
+    for (const int frame : {330, 950, 1350}) {
+      EXPECT_GT(rays_on_person(room, options, frame), 50) << seed << ", " << frame;
+    }
+  }
+}
+
+// Few and small images at a low rate: what is judged is that truth belongs to the tracks.
+TEST(Basement, GoesFromPixelsToASequenceWithTruth) {
+  const ScenarioRow row = rendered_scenarios().front();
+  const ScenarioOverrides small{
+      {"frames", "8"}, {"rate", "13"}, {"width", "240"}, {"height", "180"}};
+  const Sequence sequence = row.simulate("basement", small, 5);
+  ASSERT_EQ(sequence.frames.size(), 8u);
+  EXPECT_TRUE(sequence.images.empty());
+  EXPECT_TRUE(sequence.exact_truth);
+  EXPECT_EQ(sequence.known.size(), 4u);
+  std::vector<double> errors;
+  for (std::size_t i = 1; i < 3; ++i) {
+    const CameraState& camera = *sequence.truth[i];
+    for (const Observation& z : sequence.frames[i].observations) {
+      const TrueLandmark& landmark = sequence.landmarks.at(z.track);
+      if (landmark.label != Label::kStatic) continue;
+      const Eigen::Vector3d ray = camera.orientation.conjugate() *
+                                  (landmark.by_frame.begin()->second.position - camera.position);
+      errors.push_back((sequence.camera.project(ray)->pixel - z.pixel).norm());
+    }
+  }
+  std::ranges::sort(errors);
+  ASSERT_GT(errors.size(), 20u);
+  EXPECT_LT(errors[errors.size() / 2], 0.3);
+  const Sequence again = row.simulate("basement", small, 5),
+                 other = row.simulate("basement", small, 6);
+  EXPECT_EQ(again.frames[7].observations.front().pixel,
+            sequence.frames[7].observations.front().pixel);
+  EXPECT_NE(other.frames[7].observations.front().pixel,
+            sequence.frames[7].observations.front().pixel);
+  EXPECT_THROW(row.simulate("basement", {{"bodys", "1"}}, 5), std::invalid_argument);
+}
+
+// `slammot simulate --render` and `slammot track` make the same of the images in files.
+TEST(Basement, IsTheSameThroughFiles) {
+  const ScenarioOverrides small{{"frames", "4"}, {"width", "240"}, {"height", "180"}};
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("slammot-basement-" + std::to_string(getpid()));
+  write_room(basement_options(), small, 5, folder);
+  TrackOptions options;
+  options.threads = 1;
+  Sequence tracked = track_images(read_images(folder), options).sequence;
+  add_room_truth(folder, tracked);
+  const Sequence direct = rendered_scenarios().front().simulate("basement", small, 5);
+  ASSERT_EQ(tracked.frames.size(), direct.frames.size());
+  for (std::size_t i = 0; i < direct.frames.size(); ++i) {
+    const auto& a = tracked.frames[i].observations;
+    const auto& b = direct.frames[i].observations;
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].pixel, b[k].pixel);
+  }
+  ASSERT_EQ(tracked.landmarks.size(), direct.landmarks.size());
+  for (const auto& [track, landmark] : direct.landmarks) {
+    EXPECT_EQ(tracked.landmarks.at(track).label, landmark.label);
+    EXPECT_LT((tracked.landmarks.at(track).by_frame.begin()->second.position -
+               landmark.by_frame.begin()->second.position)
+                  .norm(),
+              1e-9);
+  }
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace slammot
