@@ -59,7 +59,9 @@ class Painter {
       const bool decided = last.estimate.label != Label::kUnknown;
       if (decided && last.estimate.position.allFinite()) points.push_back(last.estimate.position);
     }
-    plane_ = map_plane(run.run.filtered.front().state, path, points);
+    const CameraState& first = run.run.filtered.front().state;
+    above_ = map_plane(MapView::kAbove, first, path, points);
+    side_ = map_plane(MapView::kSide, first, path, points);
   }
 
   cv::Mat paint(const CameraEstimate& estimate, size_t i, const std::string& estimator) {
@@ -73,21 +75,24 @@ class Painter {
     }
     const int enlarge = image.cols < 500 ? 2 : 1;
     const cv::Mat seen = draw_predictions(image, enlarge, state);
-    const cv::Mat map = draw_map(plane_, map_size(seen.size()), state, path_, truth_);
+    const auto map = [&](MapView view, const MapPlane& plane) {
+      return draw_map(plane, map_size(view, seen.size()), state, path_, truth_);
+    };
     return picture_page(
-        seen, map,
-        fmt::format(
-            "{}, frame {}, {:.2f} s: {} landmarks. blue discs static, purple squares unknown, "
-            "red diamonds moving, light blue not found; truth grey",
-            estimator, frame.index, frame.timestamp - sequence_.frames.front().timestamp,
-            state.landmarks.size()));
+        seen, map(MapView::kAbove, above_), map(MapView::kSide, side_),
+        {fmt::format("{}, frame {}, {:.2f} s: {} landmarks. Maps from above and from the right, "
+                     "truth grey",
+                     estimator, frame.index, frame.timestamp - sequence_.frames.front().timestamp,
+                     state.landmarks.size()),
+         "blue discs static, purple squares unknown, red diamonds moving, light blue not found; "
+         "crosses measured"});
   }
 
  private:
   const Sequence& sequence_;
   double pixel_sigma_;  // as given to the run
   std::map<int, std::vector<LandmarkEstimate>> landmarks_;
-  MapPlane plane_;
+  MapPlane above_, side_;
   Positions path_, truth_;
 };
 
