@@ -59,9 +59,7 @@ class Painter {
       const bool decided = last.estimate.label != Label::kUnknown;
       if (decided && last.estimate.position.allFinite()) points.push_back(last.estimate.position);
     }
-    const CameraState& first = run.run.filtered.front().state;
-    above_ = map_plane(MapView::kAbove, first, path, points);
-    side_ = map_plane(MapView::kSide, first, path, points);
+    plane_ = map_plane(run.run.filtered.front().state, path, points);
   }
 
   cv::Mat paint(const CameraEstimate& estimate, size_t i, const std::string& estimator) {
@@ -75,24 +73,21 @@ class Painter {
     }
     const int enlarge = image.cols < 500 ? 2 : 1;
     const cv::Mat seen = draw_predictions(image, enlarge, state);
-    const auto map = [&](MapView view, const MapPlane& plane) {
-      return draw_map(plane, map_size(view, seen.size()), state, path_, truth_);
-    };
+    const cv::Mat map = draw_map(plane_, map_size(seen.size()), state, path_, truth_);
     return picture_page(
-        seen, map(MapView::kAbove, above_), map(MapView::kSide, side_),
-        {fmt::format("{}, frame {}, {:.2f} s: {} landmarks. Maps from above and from the right, "
-                     "truth grey",
-                     estimator, frame.index, frame.timestamp - sequence_.frames.front().timestamp,
-                     state.landmarks.size()),
-         "blue discs static, purple squares unknown, red diamonds moving, light blue not found; "
-         "crosses measured"});
+        seen, map,
+        fmt::format(
+            "{}, frame {}, {:.2f} s: {} landmarks. blue discs static, purple squares unknown, "
+            "red diamonds moving, light blue not found; truth grey",
+            estimator, frame.index, frame.timestamp - sequence_.frames.front().timestamp,
+            state.landmarks.size()));
   }
 
  private:
   const Sequence& sequence_;
   double pixel_sigma_;  // as given to the run
   std::map<int, std::vector<LandmarkEstimate>> landmarks_;
-  MapPlane above_, side_;
+  MapPlane plane_;
   Positions path_, truth_;
 };
 

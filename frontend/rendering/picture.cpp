@@ -10,8 +10,7 @@
 namespace slammot {
 namespace {
 
-const cv::Scalar missing(233, 180, 86), yellow(66, 228, 240), grey(150, 150, 150), black(0, 0, 0),
-    pale(225, 225, 225);
+const cv::Scalar missing(233, 180, 86), grey(150, 150, 150), black(0, 0, 0), pale(225, 225, 225);
 constexpr int kShift = 4;  // bits of a fraction of a pixel, as OpenCV draws
 constexpr double kTwoSigma = 2.0;
 const double region_95 = std::sqrt(5.991464547107979);  // chi-square, two dimensions
@@ -61,23 +60,10 @@ void draw_ellipse(cv::Mat& picture, const Eigen::Vector2d& centre, const Eigen::
               cv::LINE_AA, kShift);
 }
 
-// Of the frame; nothing where the track was not measured.
-const Observation* measurement(const std::vector<Observation>& observations, int track) {
+bool is_measured(const std::vector<Observation>& observations, int track) {
   const auto found = std::lower_bound(observations.begin(), observations.end(), track,
                                       [](const Observation& z, int t) { return z.track < t; });
-  return found != observations.end() && found->track == track ? &*found : nullptr;
-}
-
-// Where a pixel's centre comes to lie in the enlarged image.
-Eigen::Vector2d enlarged(int factor, const Eigen::Vector2d& pixel) {
-  return factor * (pixel + Eigen::Vector2d(0.5, 0.5)) - Eigen::Vector2d(0.5, 0.5);
-}
-
-void draw_cross(cv::Mat& picture, const Eigen::Vector2d& at) {
-  constexpr double kArm = 4.0;  // [px]
-  for (const Eigen::Vector2d& arm : {Eigen::Vector2d(kArm, 0.0), Eigen::Vector2d(0.0, kArm)}) {
-    cv::line(picture, fixed(at - arm), fixed(at + arm), yellow, 1, cv::LINE_AA, kShift);
-  }
+  return found != observations.end() && found->track == track;
 }
 
 }  // namespace
@@ -96,26 +82,22 @@ cv::Mat draw_predictions(const cv::Mat& image, int enlarge, const PictureState& 
     const Eigen::Matrix<double, 2, 3> J = projection->J_pixel_ray * R_camera_world;
     const Eigen::Matrix2d S = J * landmark.position_covariance * J.transpose() +
                               state.pixel_sigma * state.pixel_sigma * Eigen::Matrix2d::Identity();
-    const Observation* found = measurement(state.observations, landmark.track);
-    const cv::Scalar colour = found != nullptr ? colour_of(landmark.label) : missing;
-    const Eigen::Vector2d centre = enlarged(enlarge, projection->pixel);
+    const bool found = is_measured(state.observations, landmark.track);
+    const cv::Scalar colour = found ? colour_of(landmark.label) : missing;
+    const Eigen::Vector2d centre =
+        enlarge * (projection->pixel + Eigen::Vector2d(0.5, 0.5)) - Eigen::Vector2d(0.5, 0.5);
     draw_ellipse(picture, centre, enlarge * enlarge * S, kTwoSigma, colour);
     draw_marker(picture, centre, landmark.label, colour);
-    if (found != nullptr) draw_cross(picture, enlarged(enlarge, found->pixel));
   }
   return picture;
 }
 
-MapPlane map_plane(MapView view, const CameraState& first, const std::vector<Eigen::Vector3d>& path,
+MapPlane map_plane(const CameraState& first, const std::vector<Eigen::Vector3d>& path,
                    const std::vector<Eigen::Vector3d>& points) {
   MapPlane plane;
   plane.origin = first.position;
   const Eigen::Matrix3d R = first.orientation.toRotationMatrix();
-  if (view == MapView::kAbove) {
-    plane.axes << R.col(0).transpose(), R.col(2).transpose();
-  } else {
-    plane.axes << R.col(2).transpose(), -R.col(1).transpose();  // y is down
-  }
+  plane.axes << R.col(0).transpose(), R.col(2).transpose();
   const auto on_plane = [&](const Eigen::Vector3d& p) -> Eigen::Vector2d {
     return plane.axes * (p - plane.origin);
   };
@@ -140,13 +122,13 @@ MapPlane map_plane(MapView view, const CameraState& first, const std::vector<Eig
 
 namespace {
 
-// From the plane to the pixels of a map.
-struct OnMap {
+// From the plane to the pixels of a map: forward is up.
+struct MapView {
   const MapPlane& plane;
   double scale;  // [px/m]
   Eigen::Vector2d middle;
 
-  OnMap(const MapPlane& p, const cv::Size& size)
+  MapView(const MapPlane& p, const cv::Size& size)
       : plane(p),
         scale(std::min(size.width / p.shown.sizes().x(), size.height / p.shown.sizes().y())),
         middle(size.width / 2.0, size.height / 2.0) {}
@@ -162,7 +144,7 @@ struct OnMap {
   }
 };
 
-void draw_path(cv::Mat& map, const OnMap& view, const std::vector<Eigen::Vector3d>& path,
+void draw_path(cv::Mat& map, const MapView& view, const std::vector<Eigen::Vector3d>& path,
                const cv::Scalar& colour) {
   for (size_t i = 1; i < path.size(); ++i) {
     cv::line(map, fixed(view.at(path[i - 1])), fixed(view.at(path[i])), colour, 1, cv::LINE_AA,
@@ -182,7 +164,7 @@ void draw_scale(cv::Mat& map, double pixels_per_metre) {
               0.45, black, 1, cv::LINE_AA);
 }
 
-void draw_landmark(cv::Mat& map, const OnMap& view, const LandmarkEstimate& landmark) {
+void draw_landmark(cv::Mat& map, const MapView& view, const LandmarkEstimate& landmark) {
   if (!landmark.position.allFinite()) return;
   const cv::Scalar colour = colour_of(landmark.label);
   const Eigen::Vector2d at = view.at(landmark.position);
@@ -201,13 +183,9 @@ cv::Mat draw_map(const MapPlane& plane, const cv::Size& size, const PictureState
                  const std::vector<Eigen::Vector3d>& path,
                  const std::vector<Eigen::Vector3d>& truth) {
   cv::Mat map(size, CV_8UC3, cv::Scalar(255, 255, 255));
-  const OnMap view(plane, size);
+  const MapView view(plane, size);
   cv::rectangle(map, {0, 0}, {size.width - 1, size.height - 1}, pale);
-  for (const LandmarkEstimate& landmark : state.landmarks) {
-    if (measurement(state.observations, landmark.track) != nullptr) {
-      draw_landmark(map, view, landmark);
-    }
-  }
+  for (const LandmarkEstimate& landmark : state.landmarks) draw_landmark(map, view, landmark);
   draw_path(map, view, truth, grey);
   draw_path(map, view, path, black);
   const CameraState& camera = state.estimate.state;
@@ -230,33 +208,21 @@ bool is_wide(const cv::Size& image) { return image.width > 2 * image.height; }
 
 }  // namespace
 
-// From above two thirds of the height (or width), from the side one third.
-cv::Size map_size(MapView view, const cv::Size& image) {
-  const auto part = [&](int whole) {
-    return view == MapView::kAbove ? whole - whole / 3 : whole / 3;
-  };
-  return is_wide(image) ? cv::Size(part(image.width), 480)
-                        : cv::Size(image.height, part(image.height));
+cv::Size map_size(const cv::Size& image) {
+  return is_wide(image) ? cv::Size(image.width, 480) : cv::Size(image.height, image.height);
 }
 
-cv::Mat picture_page(const cv::Mat& image, const cv::Mat& above, const cv::Mat& side,
-                     const std::vector<std::string>& caption) {
-  cv::Mat maps, page;
+cv::Mat picture_page(const cv::Mat& image, const cv::Mat& map, const std::string& caption) {
+  cv::Mat page;
   if (is_wide(image.size())) {
-    cv::hconcat(above, side, maps);
-    cv::vconcat(image, maps, page);
+    cv::vconcat(image, map, page);
   } else {
-    cv::vconcat(above, side, maps);
-    cv::hconcat(image, maps, page);
+    cv::hconcat(image, map, page);
   }
-  constexpr int kLine = 20;  // [px]
-  const int lines = static_cast<int>(caption.size());
-  cv::copyMakeBorder(page, page, 0, kLine * lines + 4 + page.rows % 2, 0, page.cols % 2,
-                     cv::BORDER_CONSTANT, cv::Scalar(255, 255, 255));
-  for (int i = 0; i < lines; ++i) {
-    cv::putText(page, caption[static_cast<size_t>(i)], {8, page.rows - 7 - kLine * (lines - 1 - i)},
-                cv::FONT_HERSHEY_SIMPLEX, 0.45, black, 1, cv::LINE_AA);
-  }
+  cv::copyMakeBorder(page, page, 0, 24 + page.rows % 2, 0, page.cols % 2, cv::BORDER_CONSTANT,
+                     cv::Scalar(255, 255, 255));
+  cv::putText(page, caption, {8, page.rows - 7}, cv::FONT_HERSHEY_SIMPLEX, 0.5, black, 1,
+              cv::LINE_AA);
   return page;
 }
 

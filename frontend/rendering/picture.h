@@ -1,6 +1,5 @@
-// What an estimator believes after a frame, drawn (thesis figures 4.5 and 4.6): the image with the
-// 2-sigma ellipse of each landmark and a cross where it was measured, and the map from above and
-// from the side with the 95% regions of what was measured in this frame.
+// What an estimator believes after a frame, drawn (thesis figure 4.5): the image with the 2-sigma
+// ellipse of each landmark where it is predicted, and the map from above with 95% regions.
 //
 // Blue disc: static, purple square: unknown, red diamond: moving, light blue: predicted in the
 // image but not found in it. An ellipse is the landmark's own position covariance seen from the
@@ -27,32 +26,28 @@ struct PictureState {
 // The image (8 bits, grey or BGR) enlarged by a whole number, in colour, with the ellipses.
 cv::Mat draw_predictions(const cv::Mat& image, int enlarge, const PictureState& state);
 
-// The plane of a map: from above it is spanned by the first camera's right and forward axes, from
-// its right side by its forward and upward axes, wherever the world's axes point.
-enum class MapView { kAbove, kSide };
+// The plane of a map: spanned by the first camera's right and forward axes, so that it is seen from
+// above wherever the world's axes point.
 struct MapPlane {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // W
-  Eigen::Matrix<double, 2, 3> axes;                  // to the right and upwards on the map (W)
+  Eigen::Matrix<double, 2, 3> axes;                  // right, forward (W)
   Eigen::AlignedBox2d shown;                         // [m]
 };
 // That shows all of a path, the `points` (W) within its size around it, and the nearest quarter of
 // them, with a margin.
-MapPlane map_plane(MapView view, const CameraState& first, const std::vector<Eigen::Vector3d>& path,
+MapPlane map_plane(const CameraState& first, const std::vector<Eigen::Vector3d>& path,
                    const std::vector<Eigen::Vector3d>& points);
 
-// Landmarks that the frame did not measure are left out: most are far from the camera. Regions
-// larger than a quarter of the map are left out: they are depths not known yet, and would cover it.
-// `path` and `truth` (W) up to this frame; the truth may be empty.
+// Regions larger than a quarter of the map are left out: they are depths not known yet, and would
+// cover it. `path` and `truth` (W) up to this frame; the truth may be empty.
 cv::Mat draw_map(const MapPlane& plane, const cv::Size& size, const PictureState& state,
                  const std::vector<Eigen::Vector3d>& path,
                  const std::vector<Eigen::Vector3d>& truth);
 
-// The maps, from above and from the side, below each other and beside the image, or beside each
-// other and below it where the image is a wide one; sides are even, as films want
-// them. The caption is a line or more.
-cv::Mat picture_page(const cv::Mat& image, const cv::Mat& above, const cv::Mat& side,
-                     const std::vector<std::string>& caption);
-// The size of a map that fits beside (or below) an image.
-cv::Size map_size(MapView view, const cv::Size& image);
+// The two beside each other, or below each other where the image is a wide one; sides are even, as
+// films want them.
+cv::Mat picture_page(const cv::Mat& image, const cv::Mat& map, const std::string& caption);
+// The size of the map that fits beside (or below) an image.
+cv::Size map_size(const cv::Size& image);
 
 }  // namespace slammot

@@ -24,7 +24,7 @@ std::vector<Eigen::Vector3d> metres_forward(int count) {
 TEST(Map, FramesThePathNotTheFarthestPoint) {
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 40; ++i) points.emplace_back(i % 2 == 0 ? 3.0 : 600.0, 0.0, 5.0);
-  const MapPlane plane = map_plane(MapView::kAbove, {}, metres_forward(9), points);
+  const MapPlane plane = map_plane({}, metres_forward(9), points);
   EXPECT_LT(plane.shown.sizes().maxCoeff(), 20.0);
   EXPECT_TRUE(plane.shown.contains(Eigen::Vector2d(3.0, 5.0)));
 }
@@ -32,7 +32,7 @@ TEST(Map, FramesThePathNotTheFarthestPoint) {
 TEST(Map, OfACameraAtRestShowsTheNearestPoints) {
   std::vector<Eigen::Vector3d> points;
   for (int i = 1; i <= 40; ++i) points.emplace_back(0.0, 0.0, i);
-  const MapPlane plane = map_plane(MapView::kAbove, {}, metres_forward(1), points);
+  const MapPlane plane = map_plane({}, metres_forward(1), points);
   EXPECT_TRUE(plane.shown.contains(Eigen::Vector2d(0.0, 10.0)));
   EXPECT_FALSE(plane.shown.contains(Eigen::Vector2d(0.0, 20.0)));
 }
@@ -42,9 +42,9 @@ cv::Mat mark_of(Label label) {
   const Camera camera;
   const CameraEstimate estimate;
   const Eigen::Vector3d position(2.0, 0.0, 4.0);
-  const MapPlane plane = map_plane(MapView::kAbove, {}, metres_forward(9), {position});
+  const MapPlane plane = map_plane({}, metres_forward(9), {position});
   const PictureState nothing{camera, 1.0, estimate, {}, {}};
-  const PictureState one{camera, 1.0, estimate, {at(position, label)}, {{0, {0.0, 0.0}}}};
+  const PictureState one{camera, 1.0, estimate, {at(position, label)}, {}};
   const cv::Size size(400, 400);
   cv::Mat difference, grey;
   cv::absdiff(draw_map(plane, size, one, {}, {}), draw_map(plane, size, nothing, {}, {}),
@@ -52,36 +52,6 @@ cv::Mat mark_of(Label label) {
   cv::cvtColor(difference, grey, cv::COLOR_BGR2GRAY);
   const cv::Mat mask = grey > 30;
   return mask(cv::boundingRect(mask)).clone();
-}
-
-// Two metres up, five forward: from the side it is that far to the right and above the camera.
-TEST(Map, FromTheSideUpIsUp) {
-  const MapPlane plane = map_plane(MapView::kSide, {}, metres_forward(9), {});
-  EXPECT_EQ(plane.axes * Eigen::Vector3d(1.0, -2.0, 5.0), Eigen::Vector2d(5.0, 2.0));
-}
-
-TEST(Map, LeavesOutWhatIsNotMeasured) {
-  const MapPlane plane = map_plane(MapView::kAbove, {}, metres_forward(9), {});
-  const std::vector<LandmarkEstimate> landmarks{at({2.0, 0.0, 4.0}, Label::kStatic)};
-  const cv::Size size(400, 400);
-  const auto drawn = [&](const std::vector<LandmarkEstimate>& l, std::vector<Observation> z) {
-    return draw_map(plane, size, {Camera{}, 1.0, CameraEstimate{}, l, std::move(z)}, {}, {});
-  };
-  EXPECT_EQ(cv::norm(drawn(landmarks, {}), drawn({}, {}), cv::NORM_INF), 0.0);
-  EXPECT_GT(cv::norm(drawn(landmarks, {{0, {0.0, 0.0}}}), drawn({}, {}), cv::NORM_INF), 0.0);
-}
-
-TEST(Predictions, HaveACrossWhereTheyWereMeasured) {
-  const Camera camera;
-  const cv::Mat image(camera.height, camera.width, CV_8U, cv::Scalar(90));
-  const Eigen::Vector2d measured(100.0, 60.0);
-  PictureState state{camera, 1.0, {}, {at({0.0, 0.0, 4.0}, Label::kStatic)}, {}};
-  state.landmarks.front().position_covariance.setZero();
-  const cv::Mat without = draw_predictions(image, 1, state);
-  state.observations.push_back({0, measured});
-  const cv::Mat with = draw_predictions(image, 1, state);
-  EXPECT_EQ(without.at<cv::Vec3b>(60, 97), cv::Vec3b(90, 90, 90));
-  EXPECT_NE(with.at<cv::Vec3b>(60, 97), cv::Vec3b(90, 90, 90));
 }
 
 TEST(Map, MarksAreSixPixelsAtLeastAndDifferInShape) {
