@@ -101,6 +101,37 @@ std::vector<LandmarkRecord> read_landmarks(const Path& file) {
   return records;
 }
 
+Measured measured_at(const TextTable& row, size_t field) {
+  for (const Measured measured : {Measured::kNot, Measured::kAccepted, Measured::kRejected}) {
+    if (row.field(field) == to_string(measured)) return measured;
+  }
+  row.refuse(fmt::format("'{}' is neither accepted, rejected nor -", row.field(field)));
+}
+
+std::vector<PredictionRecord> read_predictions(const Path& file) {
+  std::vector<PredictionRecord> records;
+  for_each_row(file, 8, [&](const TextTable& row) {
+    PredictionRecord record;
+    Prediction& p = record.prediction;
+    record.frame = row.count(0);
+    p.track = row.count(1);
+    p.pixel = {row.bounded(2), row.bounded(3)};
+    p.S << row.real(4), row.real(5), row.real(5), row.real(6);
+    p.measured = measured_at(row, 7);
+    if (!(p.S(0, 0) > 0.0 && std::abs(p.S(0, 1)) < std::sqrt(p.S(0, 0)) * std::sqrt(p.S(1, 1)))) {
+      row.refuse("s_uu, s_uv, s_vv are no covariance");
+    }
+    const auto place = [](const PredictionRecord& r) {
+      return std::pair(r.frame, r.prediction.track);
+    };
+    if (!records.empty() && place(record) <= place(records.back())) {
+      row.refuse("rows are not by frame and track");
+    }
+    records.push_back(record);
+  });
+  return records;
+}
+
 std::vector<ClassificationRecord> read_classification(const Path& file) {
   std::vector<ClassificationRecord> records;
   for_each_row(file, 5, [&](const TextTable& row) {
@@ -203,6 +234,7 @@ StoredRun read_run(const Path& folder) {
   run.frames.resize(run.filtered.size(), -1);  // a trajectory knows times, not frame numbers
   run.frames_offered = static_cast<int>(run.filtered.size());
   run.landmarks = read_landmarks(folder / run_files::kLandmarks);
+  run.predictions = read_predictions(folder / run_files::kPredictions);
   run.classification = read_classification(folder / run_files::kClassification);
   run.timing = read_timing(folder / run_files::kTiming);
   read_metrics(folder / run_files::kMetrics, run);
