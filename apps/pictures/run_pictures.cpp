@@ -59,7 +59,7 @@ RunPictures::RunPictures(const Path& run, const Sequence& sequence)
   run_ = read_run(run);
   if (run_.run.filtered.empty()) throw InputError(run, 0, "the run has no frame");
   landmarks_ = landmarks_by_frame(run / run_files::kLandmarks);
-  for (const auto& [frame, prediction] : run_.run.predictions) {
+  for (const auto& [frame, prediction] : read_prediction_rows(run / run_files::kPredictions)) {
     predictions_[frame].push_back(prediction);
   }
   for (const CameraEstimate& camera : run_.run.filtered) {

@@ -30,6 +30,13 @@ Label label_at(const TextTable& row, size_t field) {
   row.refuse(fmt::format("'{}' is not a label", row.field(field)));
 }
 
+Measured measured_at(const TextTable& row, size_t field) {
+  for (const Measured measured : {Measured::kNot, Measured::kAccepted, Measured::kRejected}) {
+    if (row.field(field) == to_string(measured)) return measured;
+  }
+  row.refuse(fmt::format("'{}' is neither accepted, rejected nor -", row.field(field)));
+}
+
 // The first field of a heading is no number.
 bool begins_with_heading(TextTable table) {
   if (!table.next_blank_row()) return false;
@@ -88,27 +95,7 @@ std::vector<LandmarkRecord> read_landmark_rows(const Path& file) {
   return records;
 }
 
-namespace {
-
-// Of several rows of a track (`--landmarks every-frame`) the last is its final state.
-std::vector<LandmarkRecord> read_landmarks(const Path& file) {
-  std::map<int, LandmarkRecord> last;
-  for (const LandmarkRecord& record : read_landmark_rows(file)) {
-    last[record.estimate.track] = record;
-  }
-  std::vector<LandmarkRecord> records;
-  for (const auto& [track, record] : last) records.push_back(record);
-  return records;
-}
-
-Measured measured_at(const TextTable& row, size_t field) {
-  for (const Measured measured : {Measured::kNot, Measured::kAccepted, Measured::kRejected}) {
-    if (row.field(field) == to_string(measured)) return measured;
-  }
-  row.refuse(fmt::format("'{}' is neither accepted, rejected nor -", row.field(field)));
-}
-
-std::vector<PredictionRecord> read_predictions(const Path& file) {
+std::vector<PredictionRecord> read_prediction_rows(const Path& file) {
   std::vector<PredictionRecord> records;
   for_each_row(file, 8, [&](const TextTable& row) {
     PredictionRecord record;
@@ -129,6 +116,19 @@ std::vector<PredictionRecord> read_predictions(const Path& file) {
     }
     records.push_back(record);
   });
+  return records;
+}
+
+namespace {
+
+// Of several rows of a track (`--landmarks every-frame`) the last is its final state.
+std::vector<LandmarkRecord> read_landmarks(const Path& file) {
+  std::map<int, LandmarkRecord> last;
+  for (const LandmarkRecord& record : read_landmark_rows(file)) {
+    last[record.estimate.track] = record;
+  }
+  std::vector<LandmarkRecord> records;
+  for (const auto& [track, record] : last) records.push_back(record);
   return records;
 }
 
@@ -234,7 +234,6 @@ StoredRun read_run(const Path& folder) {
   run.frames.resize(run.filtered.size(), -1);  // a trajectory knows times, not frame numbers
   run.frames_offered = static_cast<int>(run.filtered.size());
   run.landmarks = read_landmarks(folder / run_files::kLandmarks);
-  run.predictions = read_predictions(folder / run_files::kPredictions);
   run.classification = read_classification(folder / run_files::kClassification);
   run.timing = read_timing(folder / run_files::kTiming);
   read_metrics(folder / run_files::kMetrics, run);

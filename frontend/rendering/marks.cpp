@@ -17,9 +17,9 @@ cv::Point fixed(const Eigen::Vector2d& p) {
 
 }  // namespace
 
-cv::Scalar colour_of(Label label) {
-  const cv::Scalar colours[] = {{167, 121, 204}, {178, 114, 0}, {0, 94, 213}};  // as Label
-  return colours[static_cast<int>(label)];
+Colour colour_of(Label label) {
+  constexpr Colour kColours[] = {{167, 121, 204}, {178, 114, 0}, {0, 94, 213}};  // as Label
+  return kColours[static_cast<int>(label)];
 }
 
 void draw_dot(cv::Mat& picture, const Eigen::Vector2d& at, const cv::Scalar& colour) {
@@ -56,7 +56,7 @@ void draw_cross(cv::Mat& picture, const Eigen::Vector2d& at, Measured measured) 
   const Eigen::Vector2d first =
       is_rejected ? Eigen::Vector2d(part, part) : Eigen::Vector2d(half, 0);
   const Eigen::Vector2d second(-first.y(), first.x());
-  const cv::Scalar colour = is_rejected ? kRejected : measured == Measured::kNot ? kGrey : kBlack;
+  const Colour colour = is_rejected ? kRejected : measured == Measured::kNot ? kGrey : kBlack;
   for (const auto& [line, width] : {std::pair(kWhite, 3), std::pair(colour, 1)}) {
     draw_line(picture, at - first, at + first, line, width);
     draw_line(picture, at - second, at + second, line, width);

@@ -11,10 +11,14 @@
 
 namespace slammot::marks {
 
-// Okabe and Ito's, as OpenCV has them (BGR).
-inline const cv::Scalar kNotFound(233, 180, 86), kRejected(0, 159, 230), kGrey(150, 150, 150),
-    kBlack(0, 0, 0), kPale(225, 225, 225), kWhite(255, 255, 255);
-cv::Scalar colour_of(Label label);
+struct Colour {
+  double blue, green, red;
+  operator cv::Scalar() const { return {blue, green, red}; }
+};
+// Okabe and Ito's.
+inline constexpr Colour kNotFound{233, 180, 86}, kRejected{0, 159, 230}, kGrey{150, 150, 150},
+    kBlack{0, 0, 0}, kPale{225, 225, 225}, kWhite{255, 255, 255};
+Colour colour_of(Label label);
 
 inline constexpr double kTwoSigma = 2.0;
 inline constexpr double kRegion95 = 2.4477468306808161;  // root of chi-square's, two dimensions

@@ -91,12 +91,14 @@ cv::Mat draw_legend(const cv::Size& size, const std::string& caption) {
   cv::Mat panel(size, CV_8UC3, kWhite);
   draw_text(panel, caption, {8.0, 18.0}, 0.5);
   const int columns = std::max(1, size.width / kColumn);
-  int i = 0;
+  int column = 0, row = 1;
   for (const LegendEntry& entry : legend()) {
-    const Eigen::Vector2d at(18.0 + kColumn * (i % columns), 18.0 + kRow * (1 + i / columns));
+    const Eigen::Vector2d at(18.0 + kColumn * column, 18.0 + kRow * row);
     entry.draw(panel, at);
     draw_text(panel, entry.text, at + Eigen::Vector2d(14.0, 5.0));
-    ++i;
+    if (++column < columns) continue;
+    column = 0;
+    ++row;
   }
   return panel;
 }

@@ -83,6 +83,23 @@ class Draw(unittest.TestCase):
             self.assertEqual(p["measured"], row[7])
         self.assertEqual(len(frame["path"]), 10)
 
+    def test_the_predictions_have_the_nis_that_the_run_states(self):
+        def rows(file):
+            return [line.split(",") for line in file.read_text().splitlines() if line[0].isdigit()]
+
+        observations = rows(self.folder / "tracked" / "observations.csv")
+        measured = {(frame, track): (float(u), float(v)) for frame, track, u, v in observations}
+        nis = []
+        for frame, track, *numbers, how in rows(self.run_folder / "predictions.csv"):
+            self.assertEqual(how != "-", (frame, track) in measured)
+            if how == "accepted":
+                u, v, s_uu, s_uv, s_vv = map(float, numbers)
+                x, y = measured[frame, track][0] - u, measured[frame, track][1] - v
+                nis.append((s_vv * x * x - 2 * s_uv * x * y + s_uu * y * y) / (s_uu * s_vv - s_uv * s_uv))
+        stated = json.loads((self.run_folder / "metrics.json").read_text())
+        self.assertEqual(len(nis), stated["coverage"]["accepted"])
+        self.assertAlmostEqual(sum(nis) / len(nis), stated["nis"]["mean"], places=9)
+
     def test_the_same_bytes_again(self):
         pdfs = []
         for name in ("one", "two"):

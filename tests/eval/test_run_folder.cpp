@@ -156,7 +156,7 @@ TEST(RunFolder, PredictionsAreReadBackAndReplaced) {
   const auto write = [&] {
     write_run(folder.path(), description_of(sequence, {}), run,
               compute_metrics(sequence, run, 0.95));
-    return read_run(folder.path()).run.predictions;
+    return read_prediction_rows(folder.path() / "predictions.csv");
   };
   const std::vector<PredictionRecord> again = write();
   ASSERT_EQ(again.size(), run.predictions.size());
@@ -176,11 +176,10 @@ TEST(RunFolder, PredictionsAreReadBackAndReplaced) {
 TEST(RunFolder, BadPredictionsAreNamed) {
   const auto reason = [](const std::string& rows) {
     const test::TemporaryFolder folder;
-    test::write_text(folder.path() / "trajectory.tum", "0 0 0 0 0 0 0 1\n");
-    test::write_text(folder.path() / "predictions.csv",
-                     "frame,track,u,v,s_uu,s_uv,s_vv,measured\n" + rows);
+    const auto file = folder.path() / "predictions.csv";
+    test::write_text(file, "frame,track,u,v,s_uu,s_uv,s_vv,measured\n" + rows);
     try {
-      read_run(folder.path());
+      read_prediction_rows(file);
     } catch (const InputError& error) {
       return std::string(error.what());
     }

@@ -65,6 +65,12 @@ void read_run_folder(const Path& folder) {
   require_poses(stored.run.filtered);
 }
 
+void read_predictions(const Path& folder) {
+  for (const auto& [frame, p] : read_prediction_rows(folder / "predictions.csv")) {
+    if (!p.pixel.allFinite() || !p.S.allFinite()) throw std::logic_error("a prediction");
+  }
+}
+
 Files configuration() {
   return {{"configuration.yaml",
            "landmark: scaled_velocity\nwindow: {frames: 5, solver: own}\ngate.probability: 0.95\n"
@@ -186,7 +192,7 @@ constexpr Target kTargets[] = {
     {"run_trajectory", run, "trajectory.tum", read_run_folder},
     {"run_covariances", run, "pose_covariance.csv", read_run_folder},
     {"run_landmarks", run, "landmarks.csv", read_run_folder},
-    {"run_predictions", run, "predictions.csv", read_run_folder},
+    {"run_predictions", run, "predictions.csv", read_predictions},
     {"run_classification", run, "classification.csv", read_run_folder},
     {"run_timing", run, "timing.csv", read_run_folder},
     {"run_metrics", run, "metrics.json", read_run_folder},
