@@ -7,7 +7,7 @@
 #include "apps/commands.h"
 #include "apps/support/command_line.h"
 #include "apps/support/configuration_options.h"
-#include "apps/support/draw_run.h"
+#include "apps/pictures/draw_run.h"
 #include "apps/support/progress.h"
 #include "apps/support/sequence_source.h"
 #include "apps/support/usage.h"

@@ -1,10 +1,11 @@
-// slammot draw RUN: its estimates, frame by frame, over the images and on a map.
+// slammot draw RUN: its estimates, frame by frame, over the images and on a map; single frames also
+// as PDF.
 #include <fmt/format.h>
 
 #include <memory>
 
 #include "apps/commands.h"
-#include "apps/support/draw_run.h"
+#include "apps/pictures/draw_run.h"
 #include "apps/support/progress.h"
 #include "apps/support/writable.h"
 #include "datasets/output/output_folder.h"
@@ -18,10 +19,11 @@ struct DrawArguments {
   std::string run;
   std::string sequence;
   std::string output;
+  std::vector<int> figures;
   bool force = false;
 };
 
-void execute(const DrawArguments& arguments) {
+int execute(const DrawArguments& arguments) {
   const std::filesystem::path run = arguments.run;
   std::filesystem::path sequence = arguments.sequence;
   if (sequence.empty()) {
@@ -33,11 +35,15 @@ void execute(const DrawArguments& arguments) {
       arguments.output.empty() ? run / "pictures" : std::filesystem::path(arguments.output);
   require_output(output, kPicturesOutput, arguments.force || arguments.output.empty());
   require_writable_folder(output);
+  if (!arguments.figures.empty()) {
+    return draw_figures(run, read_sequence(sequence), output, arguments.figures);
+  }
   Progress progress;
   const int count = draw_run(run, read_sequence(sequence), output,
                              [&](int done, int total) { progress.show("draw", done, total); });
   progress.clear();
   fmt::print("{} pictures\n{}\n", count, (output / "film.mp4").string());
+  return 0;
 }
 
 }  // namespace
@@ -51,11 +57,12 @@ void add_draw(CLI::App& app, int& exit_code) {
       ->type_name("SEQUENCE");
   command->add_option("--output", arguments->output, "folder to write, else RUN/pictures")
       ->type_name("DIR");
+  command->add_option("--pdf", arguments->figures, "instead, these frames as PDF, fit for a paper")
+      ->type_name("FRAME[,FRAME..]")
+      ->delimiter(',')
+      ->check(CLI::NonNegativeNumber);
   command->add_flag("--force", arguments->force, kForceHelp);
-  command->callback([arguments, &exit_code] {
-    execute(*arguments);
-    exit_code = 0;
-  });
+  command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
 }
 
 }  // namespace slammot

@@ -46,7 +46,7 @@ int execute(const RunArguments& arguments) {
   }
   Progress progress;
   DriveOptions options;
-  options.landmarks_every_frame = arguments.landmarks == "every-frame";
+  options.landmarks_every_frame = options.predictions = arguments.landmarks == "every-frame";
   options.check_rotation = check_rotation;
   options.progress = [&](int done, int total) { progress.show(arguments.estimator, done, total); };
   const auto [effective, from_sequence, run, metrics] =
@@ -88,7 +88,7 @@ void add_run(CLI::App& app, int& exit_code) {
   command
       ->add_option("--landmarks", arguments->landmarks,
                    "rows of landmarks.csv: the final state "
-                   "of each, or all of every frame")
+                   "of each, or all of every frame, and predictions.csv")
       ->check(CLI::IsMember({"final", "every-frame"}));
   command->add_flag("--force", arguments->force, kForceHelp);
   add_configuration_options(*command, arguments->configuration);

@@ -53,6 +53,12 @@ class Belief {
   // out.
   virtual void innovations(std::span<const Observation> measured, FrameInnovation& result) = 0;
 
+  // After innovations(), which it leaves as they are: where these landmarks are expected, of those
+  // that are in view. For who draws: nothing of an estimate may depend on it.
+  virtual void predict_pixels(std::span<const int> /*tracks*/, std::vector<Prediction>& result) {
+    result.clear();
+  }
+
   // The measurement update with what passed the gate, a part of innovations() in its order. A
   // smoother first lets the oldest frame leave.
   virtual void update(const TrackRecords& records, std::span<const Observation> accepted,

@@ -64,6 +64,22 @@ struct LandmarkEstimate {
   Eigen::Matrix3d velocity_covariance = Eigen::Matrix3d::Constant(kUndefined);
 };
 
+// What became of a frame's measurement of a landmark.
+enum class Measured { kNot, kAccepted, kRejected };
+
+constexpr std::string_view to_string(Measured measured) {
+  constexpr std::string_view kNames[] = {"-", "accepted", "rejected"};
+  return kNames[static_cast<std::size_t>(measured)];
+}
+
+// Where a landmark was expected in the image before the frame's measurements were used.
+struct Prediction {
+  int track = 0;
+  Eigen::Vector2d pixel;
+  Eigen::Matrix2d S;  // of the innovation, the noise of the measurement included [px^2]
+  Measured measured = Measured::kNot;
+};
+
 // What happened in one frame.
 struct FrameReport {
   int accepted = 0;         // measurements of landmarks in the state that passed the gate
@@ -75,7 +91,8 @@ struct FrameReport {
   double nis_sum = 0.0;    // sum over the accepted of their 2-dof normalised innovation squared
   double joint_nis = 0.0;  // nu' S^-1 nu of all accepted together, of 2 dof each; NaN: not stated
   int state_size = 0;      // dimension of the error state after the frame
-  int negative_inverse_depth = 0;  // landmarks believed behind infinity (legal, counted)
+  int negative_inverse_depth = 0;       // landmarks believed behind infinity (legal, counted)
+  std::vector<Prediction> predictions;  // by track; where asked for (Estimator::keep_predictions)
 };
 
 // The estimate is no longer a number, or its covariance no longer a covariance. The run ends, is
@@ -100,6 +117,11 @@ class NoStages final : public StageListener {
 class Estimator {
  public:
   virtual ~Estimator() = default;
+
+  // From now on reports hold the predictions of what the gate has judged and of every other
+  // landmark predicted in the image, where the estimator has any. Costs time and changes no
+  // estimate.
+  virtual void keep_predictions() {}
 
   // Takes the next frame. Throws Diverged, or std::invalid_argument when its time does not
   // increase.

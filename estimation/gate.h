@@ -46,6 +46,7 @@ class FrameGate {
   void sort(const FrameInnovation& frame);
 
   // Of the frame sorted last, by the place of the measurement.
+  Eigen::Matrix2d S(std::size_t i) const { return S(i, i); }
   bool accepts(std::size_t i) const { return is_accepted_[i] != 0; }
   bool accepts_alone(std::size_t i) const { return !asks_alone_ || nis_[i] <= alone_; }
   double nis(std::size_t i) const { return nis_[i]; }                            // on its own

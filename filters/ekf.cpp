@@ -91,6 +91,16 @@ void Ekf::innovations(std::span<const Observation> measured, FrameInnovation& re
   measured_ = result.z.size();
 }
 
+void Ekf::predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) {
+  state_.correct_passive();
+  const double variance = setup_.pixel_sigma * setup_.pixel_sigma;
+  result.clear();
+  for (const int track : tracks) {
+    const auto expected = predict_pixel(state_, linearisation_, setup_.camera, variance, track);
+    if (expected) result.push_back(*expected);
+  }
+}
+
 // One update for all. `delayed`: what is not classified yet moves only itself, after the others.
 void Ekf::update(const TrackRecords& records, std::span<const Observation> accepted,
                  StageListener& /*stages*/) {

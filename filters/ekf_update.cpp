@@ -151,6 +151,19 @@ void linearise(const JointState& state, const Linearisation& linearisation, cons
   fill_P_Ht(state, result);
 }
 
+std::optional<Prediction> predict_pixel(const JointState& state, const Linearisation& linearisation,
+                                        const Camera& camera, double pixel_variance, int track) {
+  const auto h = linearised(state, linearisation, camera, track);
+  if (!h) return std::nullopt;
+  const FilterLandmark& landmark = state.landmarks.at(track);
+  const StateBlock blocks[] = {JointState::kPose, state.anchors.at(landmark.anchor).block,
+                               landmark.y_block};
+  Eigen::Matrix<double, 2, 12> H;
+  H << h->J_pose, h->J_anchor, h->J_y;
+  const Eigen::Matrix2d S = H * state.marginal(blocks) * H.transpose();
+  return Prediction{track, h->pixel, S + pixel_variance * Eigen::Matrix2d::Identity()};
+}
+
 // The camera's part of all matches in one product, then each landmark's.
 void fill_HPHt(const JointState& state, Innovation& z, GrowingMatrix& result) {
   result.resize(z.rows(), z.rows());

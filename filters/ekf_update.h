@@ -28,6 +28,10 @@ struct Innovation {
 void linearise(const JointState& state, const Linearisation& linearisation, const Camera& camera,
                std::span<const Observation> matches, Innovation& result);
 
+// Where a landmark is expected, with S; nothing where it is not expected in view.
+std::optional<Prediction> predict_pixel(const JointState& state, const Linearisation& linearisation,
+                                        const Camera& camera, double pixel_variance, int track);
+
 // H P H' of all matches, its lower triangle.
 void fill_HPHt(const JointState& state, Innovation& innovation, GrowingMatrix& result);
 

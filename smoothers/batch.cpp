@@ -38,6 +38,7 @@ class Batch final : public Estimator {
     front_ = std::make_unique<FrameLoop>(setup, models, make_window, truth_of(setup, front));
   }
 
+  void keep_predictions() override { front_->keep_predictions(); }
   FrameReport process(const Frame& frame, StageListener& stages) override {
     FrameReport report = front_->process(frame, stages);
     timestamps_.push_back(frame.timestamp);

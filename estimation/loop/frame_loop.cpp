@@ -84,6 +84,11 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   stages.begin("gate");
   gate(frame, dt, report);
 
+  if (keeps_predictions_) {
+    stages.begin("predictions");
+    note_predictions(report);
+  }
+
   stages.begin("update");
   belief_->update(manager_->records(), accepted_, stages);
 
@@ -160,6 +165,27 @@ void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
       unused_.push_back(z.track);
     }
   }
+}
+
+// Of what was measured as the gate had them, of the rest those in the image.
+void FrameLoop::note_predictions(FrameReport& report) {
+  for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
+    const Observation& z = innovation_.z[i];
+    report.predictions.push_back({z.track, z.pixel - innovation_.nu[i], gate_.S(i),
+                                  gate_.accepts(i) ? Measured::kAccepted : Measured::kRejected});
+  }
+  std::vector<int> others;
+  for (const auto& [track, record] : manager_->records()) {
+    if (!std::ranges::binary_search(measured_, track, {}, &Observation::track)) {
+      others.push_back(track);
+    }
+  }
+  std::vector<Prediction> expected;
+  belief_->predict_pixels(others, expected);
+  std::ranges::copy_if(expected, std::back_inserter(report.predictions),
+                       [&](const Prediction& p) { return setup_.camera.in_image(p.pixel); });
+  std::erase_if(report.predictions, [](const Prediction& p) { return !p.S.allFinite(); });
+  std::ranges::sort(report.predictions, {}, &Prediction::track);
 }
 
 CameraEstimate FrameLoop::camera() const {

@@ -2,7 +2,7 @@
 // difference in the result is a difference between beliefs.
 //
 // Stages, as a StageListener hears them: predict (a smoother adds marginalise), gate, update,
-// marginals, classify, collapse, manage.
+// marginals, classify, collapse, manage; after the gate, predictions, where they are kept.
 #pragma once
 
 #include <functional>
@@ -23,6 +23,7 @@ class FrameLoop final : public Estimator {
   FrameLoop(const Setup& setup, const ModelOptions& models, MakeBelief make_belief,
             std::shared_ptr<const Truth> truth_for_view = nullptr);
 
+  void keep_predictions() override { keeps_predictions_ = true; }
   FrameReport process(const Frame& frame, StageListener& stages) override;
   CameraEstimate camera() const override;
   std::optional<PoseEstimate> pose_before(int frames) const override {
@@ -42,6 +43,7 @@ class FrameLoop final : public Estimator {
   FrameReport advance(const Frame& frame, StageListener& stages);
   double time_since_last(const Frame& frame);
   void gate(const Frame& frame, double dt, FrameReport& report);
+  void note_predictions(FrameReport& report);
 
   Setup setup_;
   ModelOptions models_;
@@ -50,6 +52,7 @@ class FrameLoop final : public Estimator {
   FirstFrame first_;
   const PointFunctions& point_;
   FrameGate gate_;
+  bool keeps_predictions_ = false;
 
   // Made anew when the run starts over.
   std::unique_ptr<Belief> belief_;

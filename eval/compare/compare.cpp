@@ -53,7 +53,7 @@ NamedMetrics compare_one(const Sequence& sequence, const Configuration& base,
                          const ComparedRun& row, const CompareOptions& options, Json& json,
                          Pool& pool) {
   DriveOptions drive_options;
-  drive_options.landmarks_every_frame = options.landmarks_every_frame;
+  drive_options.landmarks_every_frame = drive_options.predictions = options.landmarks_every_frame;
   drive_options.check_rotation = options.check_rotation;
   if (options.progress) {
     drive_options.progress = [&, run = json["runs"].size()](int done, int total) {

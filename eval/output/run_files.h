@@ -10,6 +10,7 @@ inline constexpr char kPoseCovariance[] = "pose_covariance.csv";
 inline constexpr char kTrajectorySmoothed[] = "trajectory_smoothed.tum";
 inline constexpr char kPoseCovarianceSmoothed[] = "pose_covariance_smoothed.csv";
 inline constexpr char kLandmarks[] = "landmarks.csv";
+inline constexpr char kPredictions[] = "predictions.csv";
 inline constexpr char kClassification[] = "classification.csv";
 inline constexpr char kTiming[] = "timing.csv";
 inline constexpr char kMetrics[] = "metrics.json";

@@ -30,6 +30,13 @@ Label label_at(const TextTable& row, size_t field) {
   row.refuse(fmt::format("'{}' is not a label", row.field(field)));
 }
 
+Measured measured_at(const TextTable& row, size_t field) {
+  for (const Measured measured : {Measured::kNot, Measured::kAccepted, Measured::kRejected}) {
+    if (row.field(field) == to_string(measured)) return measured;
+  }
+  row.refuse(fmt::format("'{}' is neither accepted, rejected nor -", row.field(field)));
+}
+
 // The first field of a heading is no number.
 bool begins_with_heading(TextTable table) {
   if (!table.next_blank_row()) return false;
@@ -83,6 +90,30 @@ std::vector<LandmarkRecord> read_landmark_rows(const Path& file) {
     record.estimate.velocity = vector_or_nan_at(row, 6);
     record.estimate.position_covariance = symmetric_at<3>(row, 9);
     record.estimate.velocity_covariance = symmetric_at<3>(row, 15);
+    records.push_back(record);
+  });
+  return records;
+}
+
+std::vector<PredictionRecord> read_prediction_rows(const Path& file) {
+  std::vector<PredictionRecord> records;
+  for_each_row(file, 8, [&](const TextTable& row) {
+    PredictionRecord record;
+    Prediction& p = record.prediction;
+    record.frame = row.count(0);
+    p.track = row.count(1);
+    p.pixel = {row.bounded(2), row.bounded(3)};
+    p.S << row.real(4), row.real(5), row.real(5), row.real(6);
+    p.measured = measured_at(row, 7);
+    if (!(p.S(0, 0) > 0.0 && std::abs(p.S(0, 1)) < std::sqrt(p.S(0, 0)) * std::sqrt(p.S(1, 1)))) {
+      row.refuse("s_uu, s_uv, s_vv are no covariance");
+    }
+    const auto place = [](const PredictionRecord& r) {
+      return std::pair(r.frame, r.prediction.track);
+    };
+    if (!records.empty() && place(record) <= place(records.back())) {
+      row.refuse("rows are not by frame and track");
+    }
     records.push_back(record);
   });
   return records;

@@ -32,5 +32,7 @@ StoredRun read_run(const std::filesystem::path& folder);
 
 // All rows of a landmarks.csv, in their order; none if there is no such file.
 std::vector<LandmarkRecord> read_landmark_rows(const std::filesystem::path& file);
+// Of a predictions.csv likewise; read_run() leaves them, only pictures need them.
+std::vector<PredictionRecord> read_prediction_rows(const std::filesystem::path& file);
 
 }  // namespace slammot

@@ -80,6 +80,20 @@ void write_landmarks(std::ostream& out, const std::vector<LandmarkRecord>& landm
   }
 }
 
+void write_predictions(std::ostream& out, const std::vector<PredictionRecord>& predictions) {
+  out << "# landmarks expected in the image before the measurements of `frame` were used [px], and "
+         "the\n"
+      << "# covariance of their innovation, the measurement's noise included [px^2]; measured: "
+         "what "
+         "the gate\n"
+      << "# said, - without a measurement\n"
+      << "frame,track,u,v,s_uu,s_uv,s_vv,measured\n";
+  for (const auto& [frame, p] : predictions) {
+    out << frame << ',' << p.track << ',' << joined(p.pixel, ",") << upper_triangle(p.S) << ','
+        << to_string(p.measured) << '\n';
+  }
+}
+
 void write_classification(std::ostream& out, const std::vector<ClassificationRecord>& records) {
   out << "# landmarks that had to be classified: not those known or of the first frame;\n"
       << "# observations: used until the decision, or in all where there is none\n"
@@ -154,6 +168,11 @@ void add_results(OutputFiles& files, const Path& folder, const RunResult& run,
   }
   const auto& landmarks = run.every_frame.empty() ? run.landmarks : run.every_frame;
   write(run_files::kLandmarks, [&](Out out) { write_landmarks(out, landmarks); });
+  if (run.predictions.empty()) {
+    files.leave_out(folder / run_files::kPredictions);
+  } else {
+    write(run_files::kPredictions, [&](Out out) { write_predictions(out, run.predictions); });
+  }
   write(run_files::kClassification,
         [&](Out out) { write_classification(out, run.classification); });
   write(run_files::kTiming, [&](Out out) { write_timing(out, run.timing); });

@@ -19,6 +19,7 @@ using Path = std::filesystem::path;
 
 constexpr char kCompare[] = "report/compare_report.py";
 constexpr char kStudy[] = "report/study_report.py";
+constexpr char kFrame[] = "report/frame_figure.py";
 
 constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
 
@@ -53,7 +54,8 @@ std::optional<Path> share_folder() {
 
 namespace {
 
-int make_page(const char* generator, const Path& output) {
+// Of a folder or a file it makes `product`.
+int make(const char* generator, const Path& source, const Path& product) {
   const std::optional<Path> share = share_folder();
   if (!share) {
     fmt::print(stderr,
@@ -61,8 +63,8 @@ int make_page(const char* generator, const Path& output) {
     return kFailed;
   }
   const int code =
-      run_program({python_interpreter(), (*share / generator).string(), output.string()});
-  if (code == kDone) return std::filesystem::exists(page_of(output)) ? kDone : kFailed;
+      run_program({python_interpreter(), (*share / generator).string(), source.string()});
+  if (code == kDone) return std::filesystem::exists(product) ? kDone : kFailed;
   return code == kBadInput ? kBadInput : kFailed;
 }
 
@@ -70,8 +72,12 @@ int make_page(const char* generator, const Path& output) {
 
 Path page_of(const Path& output) { return output / "report.html"; }
 
-int make_compare_page(const Path& output) { return make_page(kCompare, output); }
+int make_compare_page(const Path& output) { return make(kCompare, output, page_of(output)); }
 
-int make_study_page(const Path& output) { return make_page(kStudy, output); }
+int make_study_page(const Path& output) { return make(kStudy, output, page_of(output)); }
+
+int make_frame_figure(const Path& data) {
+  return make(kFrame, data, Path(data).replace_extension(".pdf"));
+}
 
 }  // namespace slammot

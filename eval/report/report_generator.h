@@ -16,6 +16,9 @@ std::optional<std::filesystem::path> share_folder();
 int make_compare_page(const std::filesystem::path& output);
 int make_study_page(const std::filesystem::path& output);
 
+// A frame's PDF beside its JSON (apps/pictures/frame_json.h); the exit code likewise.
+int make_frame_figure(const std::filesystem::path& data);
+
 // `output`/report.html.
 std::filesystem::path page_of(const std::filesystem::path& output);
 

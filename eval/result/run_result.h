@@ -39,6 +39,11 @@ struct LandmarkRecord {
   LandmarkEstimate estimate;
 };
 
+struct PredictionRecord {
+  int frame = 0;
+  Prediction prediction;
+};
+
 // A landmark that had to be classified: neither known beforehand nor labelled by rule.
 struct ClassificationRecord {
   int track = 0;
@@ -89,8 +94,9 @@ struct RunResult {
   bool batch = false;
   // By lag in frames: the camera so many frames ago, after each frame; velocities are not known.
   std::map<int, std::vector<CameraEstimate>> lagged;
-  std::vector<LandmarkRecord> landmarks;    // every track's newest landmark, see LandmarkHistory
-  std::vector<LandmarkRecord> every_frame;  // all of every frame, where asked for
+  std::vector<LandmarkRecord> landmarks;      // every track's newest landmark, see LandmarkHistory
+  std::vector<LandmarkRecord> every_frame;    // all of every frame, where asked for
+  std::vector<PredictionRecord> predictions;  // likewise, by frame and track
   std::vector<ClassificationRecord> classification;
   std::vector<LandmarkSample> samples;
   std::vector<StageTime> timing;

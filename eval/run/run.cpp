@@ -96,6 +96,9 @@ void drive_frame(const Sequence& sequence, const Frame& frame, Estimator& estima
   add_lagged(estimator, result);
   result.counts.push_back(counts_of(report));
   add_to(result.totals, result.counts.back());
+  for (const Prediction& prediction : report.predictions) {
+    result.predictions.push_back({frame.index, prediction});
+  }
   history.retire(frame.index, report.retired);  // before a track may begin anew
   const std::vector<LandmarkEstimate> measured = estimator.landmarks_measured(frame.index);
   result.ray_spread.push_back(
@@ -126,6 +129,7 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
   result.batch = options.batch;
   result.frames_offered = static_cast<int>(sequence.frames.size());
   LandmarkHistory history(sequence);
+  if (options.predictions) estimator.keep_predictions();
   int frame_index = 0;
   try {
     for (const Frame& frame : sequence.frames) {

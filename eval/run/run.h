@@ -20,6 +20,7 @@ using CheckRotation = std::function<std::vector<RotationSpan>(
 struct DriveOptions {
   std::function<void(int done, int total)> progress;  // after each frame; may be empty
   bool landmarks_every_frame = false;
+  bool predictions = false;      // of every frame, see Estimator::keep_predictions()
   CheckRotation check_rotation;  // of what is judged; may be empty
   // Of the registry's estimators these two are known.
   bool batch = false;                      // see RunResult

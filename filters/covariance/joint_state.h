@@ -81,8 +81,9 @@ struct JointState {
   // Rows of the error state, those of the passive map included.
   int size() const { return covariance.size() - passive.adjoint().dim + passive.size(); }
 
-  // The covariance of (anchor, y, w) of a landmark.
+  // The covariance of (anchor, y, w) of a landmark, and of any blocks; the passive ones come last.
   Eigen::MatrixXd marginal(const FilterLandmark& landmark) const;
+  Eigen::MatrixXd marginal(std::span<const StateBlock> blocks) const;
 
   // joint_state_passive.cpp. Static landmarks, in the order of their tracks, and anchors that no
   // active one uses then, go to the passive map; a passive landmark comes back with its anchor.

@@ -86,21 +86,28 @@ void JointState::correct_passive() {
 Eigen::MatrixXd JointState::marginal(const FilterLandmark& landmark) const {
   const StateBlock blocks[] = {anchors.at(landmark.anchor).block, landmark.y_block,
                                landmark.w_block};
-  const int dim = 3 + landmark.dim();
+  return marginal(std::span(blocks).first(landmark.is_free() ? 3 : 2));
+}
+
+Eigen::MatrixXd JointState::marginal(std::span<const StateBlock> blocks) const {
+  int dim = 0;
+  for (const StateBlock b : blocks) dim += b.dim;
   Eigen::MatrixXd P(dim, dim);
-  for (int j = 0, column = 0; j < 3; column += blocks[j++].dim) {
-    const StateBlock b = blocks[j];
+  int column = 0;
+  for (const StateBlock b : blocks) {
     Eigen::MatrixXd passive_columns;
     if (b.passive) passive_columns = passive.columns(covariance, b);
-    for (int i = 0, row = 0; i < 3; row += blocks[i++].dim) {
-      const StateBlock a = blocks[i];
+    int row = 0;
+    for (const StateBlock a : blocks) {
       auto P_ab = P.block(row, column, a.dim, b.dim);
       if (!a.passive && !b.passive) P_ab = covariance.block(a, b);
       if (!a.passive && b.passive) P_ab = passive_columns.middleRows(a.offset, a.dim);
       if (a.passive && b.passive) P_ab = passive.block(a, b, passive_columns);
+      row += a.dim;
     }
+    column += b.dim;
   }
-  if (landmark.is_passive()) P.triangularView<Eigen::StrictlyLower>() = P.transpose();
+  if (blocks.back().passive) P.triangularView<Eigen::StrictlyLower>() = P.transpose();
   return P;
 }
 

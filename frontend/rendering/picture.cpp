@@ -1,69 +1,24 @@
 #include "frontend/rendering/picture.h"
 
-#include <fmt/format.h>
-
-#include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
+#include <functional>
 #include <opencv2/imgproc.hpp>
 
+#include "frontend/rendering/marks.h"
+
 namespace slammot {
+
+using namespace marks;
+
 namespace {
 
-const cv::Scalar missing(233, 180, 86), grey(150, 150, 150), black(0, 0, 0), pale(225, 225, 225);
-constexpr int kShift = 4;  // bits of a fraction of a pixel, as OpenCV draws
-constexpr double kTwoSigma = 2.0;
-const double region_95 = std::sqrt(5.991464547107979);  // chi-square, two dimensions
-
-// Okabe and Ito's, safe for all kinds of colour vision.
-cv::Scalar colour_of(Label label) {
-  const cv::Scalar colours[] = {{167, 121, 204}, {178, 114, 0}, {0, 94, 213}};  // BGR, as Label
-  return colours[static_cast<int>(label)];
+// Of the image's pixels, whose centres are whole numbers before and after.
+Eigen::Vector2d enlarged(const Eigen::Vector2d& pixel, int enlarge) {
+  return enlarge * (pixel + Eigen::Vector2d(0.5, 0.5)) - Eigen::Vector2d(0.5, 0.5);
 }
 
-cv::Point fixed(const Eigen::Vector2d& p) {
-  return {static_cast<int>(std::lround(p.x() * (1 << kShift))),
-          static_cast<int>(std::lround(p.y() * (1 << kShift)))};
-}
-
-// Unknown is an open square, static a disc, moving a diamond: told apart without their colours.
-void draw_marker(cv::Mat& picture, const Eigen::Vector2d& at, Label label,
-                 const cv::Scalar& colour) {
-  constexpr double kHalf = 3.5;  // [px]
-  if (label == Label::kStatic) {
-    const int radius = static_cast<int>(kHalf * (1 << kShift));
-    cv::circle(picture, fixed(at), radius, colour, cv::FILLED, cv::LINE_AA, kShift);
-    return;
-  }
-  std::vector<cv::Point> corners;
-  for (const int quarter : {0, 1, 2, 3}) {
-    const double turn = CV_PI / 2.0 * quarter + (label == Label::kMoving ? 0.0 : CV_PI / 4.0);
-    const double reach = label == Label::kMoving ? 1.4 * kHalf : std::sqrt(2.0) * kHalf;
-    corners.push_back(fixed(at + reach * Eigen::Vector2d(std::cos(turn), std::sin(turn))));
-  }
-  if (label == Label::kMoving) cv::fillConvexPoly(picture, corners, colour, cv::LINE_AA, kShift);
-  cv::polylines(picture, corners, true, colour, 1, cv::LINE_AA, kShift);
-}
-
-// x' C^-1 x = scale^2 around `centre`; nothing where it is no ellipse or too large for the picture.
-void draw_ellipse(cv::Mat& picture, const Eigen::Vector2d& centre, const Eigen::Matrix2d& C,
-                  double scale, const cv::Scalar& colour) {
-  constexpr double kLargest = 0.25;  // half an axis, in parts of the picture
-  if (!C.allFinite() || !centre.allFinite()) return;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(C);
-  const Eigen::Vector2d half = scale * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  if (!(half(1) < kLargest * picture.cols)) return;
-  const Eigen::Vector2d axis = solver.eigenvectors().col(1);
-  const double angle = std::atan2(axis.y(), axis.x()) * 180.0 / CV_PI;
-  const Eigen::Vector2d sides(std::max(half(1), 1.5), std::max(half(0), 1.5));
-  cv::ellipse(picture, fixed(centre), cv::Size(fixed(sides)), angle, 0.0, 360.0, colour, 1,
-              cv::LINE_AA, kShift);
-}
-
-bool is_measured(const std::vector<Observation>& observations, int track) {
-  const auto found = std::lower_bound(observations.begin(), observations.end(), track,
-                                      [](const Observation& z, int t) { return z.track < t; });
-  return found != observations.end() && found->track == track;
+Label label_of(const PictureState& state, int track) {
+  const LandmarkEstimate* landmark = state.landmark(track);
+  return landmark ? landmark->label : Label::kUnknown;  // pruned in this frame
 }
 
 }  // namespace
@@ -72,157 +27,117 @@ cv::Mat draw_predictions(const cv::Mat& image, int enlarge, const PictureState& 
   cv::Mat picture;
   cv::resize(image, picture, {}, enlarge, enlarge, cv::INTER_NEAREST);
   if (picture.channels() == 1) cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
-  const Eigen::Matrix3d R_camera_world =
-      state.estimate.state.orientation.conjugate().toRotationMatrix();
-  for (const LandmarkEstimate& landmark : state.landmarks) {
-    const Eigen::Vector3d ray =
-        R_camera_world * (landmark.position - state.estimate.state.position);
-    const auto projection = state.camera.project(ray);
-    if (!projection || !state.camera.in_image(projection->pixel)) continue;
-    const Eigen::Matrix<double, 2, 3> J = projection->J_pixel_ray * R_camera_world;
-    const Eigen::Matrix2d S = J * landmark.position_covariance * J.transpose() +
-                              state.pixel_sigma * state.pixel_sigma * Eigen::Matrix2d::Identity();
-    const bool found = is_measured(state.observations, landmark.track);
-    const cv::Scalar colour = found ? colour_of(landmark.label) : missing;
-    const Eigen::Vector2d centre =
-        enlarge * (projection->pixel + Eigen::Vector2d(0.5, 0.5)) - Eigen::Vector2d(0.5, 0.5);
-    draw_ellipse(picture, centre, enlarge * enlarge * S, kTwoSigma, colour);
-    draw_marker(picture, centre, landmark.label, colour);
+  for (const Observation& z : state.observations) {
+    const Prediction* prediction = state.prediction(z.track);
+    draw_cross(picture, enlarged(z.pixel, enlarge),
+               prediction ? prediction->measured : Measured::kNot);
+  }
+  for (const Prediction& p : state.predictions) {
+    const Label label = label_of(state, p.track);
+    const cv::Scalar colour = p.measured == Measured::kNot ? kNotFound : colour_of(label);
+    const Eigen::Vector2d centre = enlarged(p.pixel, enlarge);
+    draw_ellipse(picture, centre, enlarge * enlarge * p.S, kTwoSigma, colour);
+    draw_label(picture, centre, label, colour);
+  }
+  for (const Observation& z : state.observations) {
+    const LandmarkEstimate* landmark = state.landmark(z.track);
+    if (state.prediction(z.track) || !landmark) continue;
+    draw_label(picture, enlarged(z.pixel, enlarge), landmark->label, colour_of(landmark->label));
   }
   return picture;
 }
 
-MapPlane map_plane(const CameraState& first, const std::vector<Eigen::Vector3d>& path,
-                   const std::vector<Eigen::Vector3d>& points) {
-  MapPlane plane;
-  plane.origin = first.position;
-  const Eigen::Matrix3d R = first.orientation.toRotationMatrix();
-  plane.axes << R.col(0).transpose(), R.col(2).transpose();
-  const auto on_plane = [&](const Eigen::Vector3d& p) -> Eigen::Vector2d {
-    return plane.axes * (p - plane.origin);
-  };
-  for (const Eigen::Vector3d& p : path) plane.shown.extend(on_plane(p));
-  const Eigen::Vector2d middle = plane.shown.center();
-  const double size = plane.shown.sizes().maxCoeff();
-  std::vector<Eigen::Vector2d> on_map;
-  for (const Eigen::Vector3d& p : points) on_map.push_back(on_plane(p));
-  std::sort(on_map.begin(), on_map.end(), [&](const auto& a, const auto& b) {
-    return (a - middle).squaredNorm() < (b - middle).squaredNorm();
-  });
-  // A quarter of the points is always shown: a camera may hardly have moved.
-  for (size_t i = 0; i < on_map.size(); ++i) {
-    const bool near = (on_map[i] - middle).lpNorm<Eigen::Infinity>() < size;
-    if (near || 4 * i < on_map.size()) plane.shown.extend(on_map[i]);
-  }
-  const double margin = 0.05 * plane.shown.sizes().maxCoeff() + 0.1;
-  plane.shown.extend(plane.shown.min() - Eigen::Vector2d::Constant(margin));
-  plane.shown.extend(plane.shown.max() + Eigen::Vector2d::Constant(margin));
-  return plane;
-}
-
 namespace {
 
-// From the plane to the pixels of a map: forward is up.
-struct MapView {
-  const MapPlane& plane;
-  double scale;  // [px/m]
-  Eigen::Vector2d middle;
-
-  MapView(const MapPlane& p, const cv::Size& size)
-      : plane(p),
-        scale(std::min(size.width / p.shown.sizes().x(), size.height / p.shown.sizes().y())),
-        middle(size.width / 2.0, size.height / 2.0) {}
-
-  Eigen::Vector2d at(const Eigen::Vector3d& p) const {
-    const Eigen::Vector2d d = plane.axes * (p - plane.origin) - plane.shown.center();
-    return middle + scale * Eigen::Vector2d(d.x(), -d.y());
-  }
-  Eigen::Matrix2d covariance(const Eigen::Matrix3d& P) const {
-    Eigen::Matrix<double, 2, 3> J = scale * plane.axes;
-    J.row(1) *= -1.0;
-    return J * P * J.transpose();
-  }
+struct LegendEntry {
+  const char* text;
+  std::function<void(cv::Mat&, const Eigen::Vector2d& at)> draw;
 };
 
-void draw_path(cv::Mat& map, const MapView& view, const std::vector<Eigen::Vector3d>& path,
-               const cv::Scalar& colour) {
-  for (size_t i = 1; i < path.size(); ++i) {
-    cv::line(map, fixed(view.at(path[i - 1])), fixed(view.at(path[i])), colour, 1, cv::LINE_AA,
-             kShift);
+LegendEntry of_label(const char* text, Label label, const cv::Scalar& colour) {
+  return {text, [=](cv::Mat& m, const Eigen::Vector2d& at) { draw_label(m, at, label, colour); }};
+}
+LegendEntry of_measured(const char* text, Measured measured) {
+  return {text, [=](cv::Mat& m, const Eigen::Vector2d& at) { draw_cross(m, at, measured); }};
+}
+LegendEntry of_path(const char* text, const cv::Scalar& colour) {
+  return {text, [=](cv::Mat& m, const Eigen::Vector2d& at) {
+            draw_line(m, at - Eigen::Vector2d(7.0, 0.0), at + Eigen::Vector2d(7.0, 0.0), colour, 2);
+          }};
+}
+
+std::vector<LegendEntry> legend() {
+  return {of_label("static", Label::kStatic, colour_of(Label::kStatic)),
+          of_label("unknown", Label::kUnknown, colour_of(Label::kUnknown)),
+          of_label("moving, one second of it", Label::kMoving, colour_of(Label::kMoving)),
+          of_label("predicted, not measured", Label::kStatic, kNotFound),
+          of_measured("measured", Measured::kAccepted),
+          of_measured("measured, rejected", Measured::kRejected),
+          of_measured("measured, new", Measured::kNot),
+          {"static, not measured now",
+           [](cv::Mat& m, const Eigen::Vector2d& at) { draw_dot(m, at, kGrey); }},
+          of_path("camera", kBlack),
+          of_path("true camera", kGrey),
+          {"2 sigma; on the map 95%", [](cv::Mat& m, const Eigen::Vector2d& at) {
+             draw_ellipse(m, at, Eigen::Vector2d(49.0, 16.0).asDiagonal(), 1.0,
+                          colour_of(Label::kStatic));
+           }}};
+}
+
+constexpr int kRow = 24, kColumn = 260;  // of the legend [px]
+
+// The caption above, entries in columns.
+cv::Mat draw_legend(const cv::Size& size, const std::string& caption) {
+  cv::Mat panel(size, CV_8UC3, kWhite);
+  draw_text(panel, caption, {8.0, 18.0}, 0.5);
+  const int columns = std::max(1, size.width / kColumn);
+  int column = 0, row = 1;
+  for (const LegendEntry& entry : legend()) {
+    const Eigen::Vector2d at(18.0 + kColumn * column, 18.0 + kRow * row);
+    entry.draw(panel, at);
+    draw_text(panel, entry.text, at + Eigen::Vector2d(14.0, 5.0));
+    if (++column < columns) continue;
+    column = 0;
+    ++row;
   }
+  return panel;
 }
 
-// A length of 1, 2 or 5 times a power of ten, about a fifth of the map.
-void draw_scale(cv::Mat& map, double pixels_per_metre) {
-  const double wanted = map.cols / 5.0 / pixels_per_metre;
-  const double power = std::pow(10.0, std::floor(std::log10(wanted)));
-  const double length = (wanted >= 5.0 * power ? 5.0 : wanted >= 2.0 * power ? 2.0 : 1.0) * power;
-  const cv::Point from(12, map.rows - 14);
-  const cv::Point to(from.x + static_cast<int>(length * pixels_per_metre), from.y);
-  cv::line(map, from, to, black, 2);
-  cv::putText(map, fmt::format("{:g} m", length), {from.x, from.y - 6}, cv::FONT_HERSHEY_SIMPLEX,
-              0.45, black, 1, cv::LINE_AA);
+int legend_height(int width) {
+  const int columns = std::max(1, width / kColumn);
+  return kRow * (2 + (static_cast<int>(legend().size()) - 1) / columns) + 12;
 }
 
-void draw_landmark(cv::Mat& map, const MapView& view, const LandmarkEstimate& landmark) {
-  if (!landmark.position.allFinite()) return;
-  const cv::Scalar colour = colour_of(landmark.label);
-  const Eigen::Vector2d at = view.at(landmark.position);
-  if (!(at.cwiseAbs().maxCoeff() < 1e4)) return;
-  draw_ellipse(map, at, view.covariance(landmark.position_covariance), region_95, colour);
-  draw_marker(map, at, landmark.label, colour);
-  if (landmark.label != Label::kMoving || !landmark.velocity.allFinite()) return;
-  const Eigen::Vector2d in_a_second = view.at(landmark.position + landmark.velocity);
-  if (!(in_a_second.cwiseAbs().maxCoeff() < 1e4)) return;
-  cv::line(map, fixed(at), fixed(in_a_second), colour, 1, cv::LINE_AA, kShift);
+// The maps beside the image, or below one that is wide.
+cv::Mat joined(const cv::Mat& a, const cv::Mat& b, bool below) {
+  cv::Mat both;
+  below ? cv::vconcat(a, b, both) : cv::hconcat(a, b, both);
+  return both;
 }
 
 }  // namespace
 
-cv::Mat draw_map(const MapPlane& plane, const cv::Size& size, const PictureState& state,
-                 const std::vector<Eigen::Vector3d>& path,
-                 const std::vector<Eigen::Vector3d>& truth) {
-  cv::Mat map(size, CV_8UC3, cv::Scalar(255, 255, 255));
-  const MapView view(plane, size);
-  cv::rectangle(map, {0, 0}, {size.width - 1, size.height - 1}, pale);
-  for (const LandmarkEstimate& landmark : state.landmarks) draw_landmark(map, view, landmark);
-  draw_path(map, view, truth, grey);
-  draw_path(map, view, path, black);
-  const CameraState& camera = state.estimate.state;
-  const double length = 14.0 / view.scale;  // [m] of the wedge that stands for the camera
-  const Eigen::Vector2d tip = view.at(camera.position);
-  for (const double side : {-0.5, 0.5}) {
-    const Eigen::Vector3d corner =
-        camera.position + camera.orientation * Eigen::Vector3d(side * length, 0.0, length);
-    cv::line(map, fixed(tip), fixed(view.at(corner)), black, 2, cv::LINE_AA, kShift);
-  }
-  draw_ellipse(map, tip, view.covariance(state.estimate.covariance.topLeftCorner<3, 3>()),
-               region_95, black);
-  draw_scale(map, view.scale);
-  return map;
-}
-
-namespace {
-
-bool is_wide(const cv::Size& image) { return image.width > 2 * image.height; }
-
-}  // namespace
-
-cv::Size map_size(const cv::Size& image) {
-  return is_wide(image) ? cv::Size(image.width, 480) : cv::Size(image.height, image.height);
-}
-
-cv::Mat picture_page(const cv::Mat& image, const cv::Mat& map, const std::string& caption) {
+cv::Mat draw_page(const cv::Mat& image, const PictureState& state, const MapFrame& frame,
+                  const std::string& caption) {
+  const int enlarge = image.cols < 500 ? 2 : 1;
+  const cv::Mat seen = draw_predictions(image, enlarge, state);
+  const bool is_wide = seen.cols > 2 * seen.rows;
+  const auto map = [&](const MapView& view, int width, int height) {
+    return draw_map(frame, view, {width, height}, state);
+  };
   cv::Mat page;
-  if (is_wide(image.size())) {
-    cv::vconcat(image, map, page);
+  if (is_wide) {
+    const int height = 480, half = seen.cols / 2;
+    const cv::Mat maps =
+        joined(map(kTopView, half, height), map(kSideView, seen.cols - half, height), false);
+    page = joined(joined(seen, maps, true),
+                  draw_legend({seen.cols, legend_height(seen.cols)}, caption), true);
   } else {
-    cv::hconcat(image, map, page);
+    const int side = seen.rows, below = std::max(legend_height(seen.cols), 2 * side / 5);
+    page = joined(joined(seen, draw_legend({seen.cols, below}, caption), true),
+                  joined(map(kTopView, side, side), map(kSideView, side, below), true), false);
   }
-  cv::copyMakeBorder(page, page, 0, 24 + page.rows % 2, 0, page.cols % 2, cv::BORDER_CONSTANT,
-                     cv::Scalar(255, 255, 255));
-  cv::putText(page, caption, {8, page.rows - 7}, cv::FONT_HERSHEY_SIMPLEX, 0.5, black, 1,
-              cv::LINE_AA);
+  cv::copyMakeBorder(page, page, 0, page.rows % 2, 0, page.cols % 2, cv::BORDER_CONSTANT, kWhite);
   return page;
 }
 

@@ -67,6 +67,7 @@ class Run:
     smoothed: pandas.DataFrame = None
     smoothed_covariance: np.ndarray = None
     landmarks: pandas.DataFrame = None
+    predictions: pandas.DataFrame = None
     classification: pandas.DataFrame = None
     timing: pandas.DataFrame = None
     metrics: dict = field(default_factory=dict)
@@ -86,6 +87,7 @@ def read_run(folder):
                trajectory=trajectory, covariance=covariances("pose_covariance.csv"),
                smoothed=_trajectory(_file(folder, "trajectory_smoothed.tum", required=False)),
                smoothed_covariance=covariances("pose_covariance_smoothed.csv"), landmarks=optional("landmarks.csv"),
+               predictions=optional("predictions.csv"),
                classification=optional("classification.csv"), timing=optional("timing.csv"),
                metrics=json.loads(metrics.read_text(encoding="utf-8")) if metrics else {})
 

@@ -35,6 +35,7 @@ class Window final : public Belief {
   void predict(const Frame& frame, double dt, const TrackRecords& records) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured, FrameInnovation& result) override;
+  void predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) override;
   void update(const TrackRecords& records, std::span<const Observation> accepted,
               StageListener& stages) override;
   void leave_one_out(std::vector<LeaveOneOut>& result) override;

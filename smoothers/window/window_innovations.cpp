@@ -23,6 +23,17 @@ void Window::innovations(std::span<const Observation> measured, FrameInnovation&
   if (options_.retest) gated_ = result.z;
 }
 
+void Window::predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) {
+  const double variance = setup_.pixel_sigma * setup_.pixel_sigma;
+  result.clear();
+  prepare(tracks);
+  for (const int track : tracks) {
+    const auto pixel = expected({track, Eigen::Vector2d::Zero()});
+    if (!pixel) continue;
+    result.push_back({track, -pixel->nu, pixel->HPHt + variance * Eigen::Matrix2d::Identity()});
+  }
+}
+
 std::optional<Window::Expected> Window::expected(const Observation& z) const {
   const WindowLandmark& landmark = landmarks_.at(z.track);
   const GraphLandmark& l = graph_[landmark.id];

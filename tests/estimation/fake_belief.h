@@ -49,6 +49,14 @@ class FakeBelief final : public Belief {
     result.HPHt.resize(size, size);
     (*result.HPHt).setZero();
   }
+  void predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) override {
+    call("predict_pixels");
+    result.clear();
+    for (const int track : tracks) {
+      const FakeLandmark& l = state.at(track);
+      result.push_back({track, {l.in_view ? 10.0 : -10.0, 10.0}, Eigen::Matrix2d::Identity()});
+    }
+  }
   void update(const TrackRecords&, std::span<const Observation> accepted, StageListener&) override {
     call("update");
     used.clear();

@@ -42,6 +42,28 @@ TEST_F(FrameLoopOf, GatesEachMeasurementOnItsOwn) {
   EXPECT_EQ(report.state_size, 3);
 }
 
+TEST_F(FrameLoopOf, KeepsPredictionsWhereAskedTo) {
+  start({});
+  frame({1, 2, 3, 4});
+  EXPECT_THAT(frame({1, 2, 3, 4}).predictions, IsEmpty());
+  loop_->keep_predictions();
+  belief_->state.at(2).error = 100.0;
+  belief_->state.at(4).in_view = false;
+  const FrameReport report = frame({1, 2, 5});
+  EXPECT_THAT(calls_, testing::Contains("predict_pixels"));
+  std::vector<int> tracks;
+  std::vector<Measured> measured;
+  for (const Prediction& p : report.predictions) {
+    tracks.push_back(p.track);
+    measured.push_back(p.measured);
+  }
+  EXPECT_THAT(tracks, ElementsAre(1, 2, 3));
+  EXPECT_THAT(measured, ElementsAre(Measured::kAccepted, Measured::kRejected, Measured::kNot));
+  const Eigen::Vector2d measured_at(320.0, 240.0), error(100.0, 0.0);
+  EXPECT_EQ(report.predictions[1].pixel, measured_at - error);
+  EXPECT_EQ(report.predictions[0].S, Eigen::Matrix2d::Identity());
+}
+
 // e^-0.5 is not negative.
 TEST_F(FrameLoopOf, CountsNegativeDepthsOfTheParametrisation) {
   ModelOptions models;

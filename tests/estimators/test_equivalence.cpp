@@ -35,6 +35,14 @@ void expect_same(const FrameReport& a, const FrameReport& b) {
   ASSERT_EQ(a.negative_inverse_depth, b.negative_inverse_depth);
   ASSERT_NEAR(a.nis_sum, b.nis_sum, 1e-9 * (1.0 + a.nis_sum));
   ASSERT_NEAR(a.joint_nis, b.joint_nis, 1e-8 * (1.0 + a.joint_nis));
+  ASSERT_EQ(a.predictions.size(), b.predictions.size());
+  for (std::size_t i = 0; i < a.predictions.size(); ++i) {
+    const Prediction &p = a.predictions[i], &q = b.predictions[i];
+    ASSERT_EQ(p.track, q.track);
+    ASSERT_EQ(p.measured, q.measured);
+    ASSERT_LT((p.pixel - q.pixel).norm(), 1e-7 * std::sqrt(p.S.norm()));
+    ASSERT_LT(relative_difference(q.S, p.S), 1e-7);
+  }
   ASSERT_EQ(a.retired.size(), b.retired.size());
   for (std::size_t i = 0; i < a.retired.size(); ++i) {
     ASSERT_EQ(a.retired[i].track, b.retired[i].track);
@@ -86,6 +94,8 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
   one.linearisation = WindowLinearisation::kStandard;
   const auto ekf = make_ekf(setup, models, {});
   const auto window = make_window(setup, models, one);
+  ekf->keep_predictions();
+  window->keep_predictions();
   NoStages stages;
   double worst_state = 0.0, worst_covariance = 0.0, worst_landmark = 0.0;
   int born = 0, dead = 0, decided = 0, negative = 0;

@@ -143,6 +143,64 @@ TEST(RunFolder, UndefinedIsNanInCsvAndNeverZero) {
   EXPECT_EQ(stored.run.landmarks[1].frame, 1);
 }
 
+TEST(RunFolder, PredictionsAreReadBackAndReplaced) {
+  const Sequence sequence = test::straight_line(2);
+  FakeEstimator estimator([&](const Frame& f) { return awkward_belief(sequence, f); });
+  RunResult run = drive(sequence, estimator);
+  EXPECT_TRUE(run.predictions.empty());
+  const Eigen::Matrix2d S{{1.0 / 3.0, -0.1}, {-0.1, 7e5 / 9.0}};
+  run.predictions = {{0, {4, {1.0 / 3.0, -2e-17}, S, Measured::kAccepted}},
+                     {1, {0, {639.1, 2.0}, 3.0 * S, Measured::kNot}},
+                     {1, {4, {0.1, 0.2}, S, Measured::kRejected}}};
+  const test::TemporaryFolder folder;
+  const auto write = [&] {
+    write_run(folder.path(), description_of(sequence, {}), run,
+              compute_metrics(sequence, run, 0.95));
+    return read_prediction_rows(folder.path() / "predictions.csv");
+  };
+  const std::vector<PredictionRecord> again = write();
+  ASSERT_EQ(again.size(), run.predictions.size());
+  for (size_t i = 0; i < again.size(); ++i) {
+    const Prediction &a = run.predictions[i].prediction, &b = again[i].prediction;
+    EXPECT_EQ(run.predictions[i].frame, again[i].frame);
+    EXPECT_EQ(a.track, b.track);
+    EXPECT_EQ(a.pixel, b.pixel);
+    EXPECT_EQ(a.S, b.S);
+    EXPECT_EQ(a.measured, b.measured);
+  }
+  run.predictions.clear();
+  EXPECT_TRUE(write().empty());
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "predictions.csv"));
+}
+
+TEST(RunFolder, BadPredictionsAreNamed) {
+  const auto reason = [](const std::string& rows) {
+    const test::TemporaryFolder folder;
+    const auto file = folder.path() / "predictions.csv";
+    test::write_text(file, "frame,track,u,v,s_uu,s_uv,s_vv,measured\n" + rows);
+    try {
+      read_prediction_rows(file);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string good = "0,3,1,2,4,1,1,-\n";
+  EXPECT_EQ(reason(good), "");
+  for (const auto& [row, what] : std::vector<std::pair<std::string, std::string>>{
+           {"0,4,1,2,4,2,1,-", "no covariance"},
+           {"0,4,1,2,-4,0,-1,-", "no covariance"},
+           {"0,4,1,2,nan,0,1,-", "'nan' is not a finite number"},
+           {"0,4,1,2,4,1,1,maybe", "'maybe' is neither accepted, rejected nor -"},
+           {"0,4,1e300,2,4,1,1,-", "not plausible"},
+           {"0,3,1,2,4,1,1,-", "not by frame and track"},
+           {"0,4,1,2,4,1,1", "expected 8 fields, found 7"}}) {
+    const std::string said = reason(good + row + "\n");
+    EXPECT_NE(said.find("predictions.csv:3: "), std::string::npos) << said;
+    EXPECT_NE(said.find(what), std::string::npos) << said;
+  }
+}
+
 TEST(RunFolder, ADivergedRunStaysDiverged) {
   const Sequence sequence = test::straight_line(4);
   FakeEstimator estimator([&](const Frame& f) {

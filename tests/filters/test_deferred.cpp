@@ -104,9 +104,30 @@ struct Driven {
             },
             options.linearisation == FilterLinearisation::kIdeal ? setup.truth : nullptr) {}
 
-  const Ekf* ekf = nullptr;
+  // Of all landmarks, also passive ones.
+  std::vector<Prediction> predictions() {
+    std::vector<int> tracks;
+    for (const auto& [track, landmark] : ekf->state().landmarks) tracks.push_back(track);
+    std::vector<Prediction> result;
+    ekf->predict_pixels(tracks, result);
+    return result;
+  }
+
+  Ekf* ekf = nullptr;
   FrameLoop loop;
 };
+
+// The largest, of pixels [sigma] and of S.
+double difference(const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double worst = 0.0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    EXPECT_EQ(a[i].track, b[i].track);
+    worst = std::max({worst, (a[i].pixel - b[i].pixel).norm() / std::sqrt(b[i].S.norm()),
+                      (a[i].S - b[i].S).norm() / b[i].S.norm()});
+  }
+  return worst;
+}
 
 class DeferredCase : public testing::TestWithParam<Case> {};
 
@@ -129,7 +150,7 @@ TEST_P(DeferredCase, IsTheEkf) {
   options.deferred = true;
   Driven deferred(setup, models, options);
   NoStages stages;
-  double worst = 0.0, worst_landmark = 0.0;
+  double worst = 0.0, worst_landmark = 0.0, worst_prediction = 0.0;
   Observed observed(*deferred.ekf);
   Used used;
   for (const Frame& frame : sequence.frames) {
@@ -148,17 +169,23 @@ TEST_P(DeferredCase, IsTheEkf) {
       worst_landmark =
           std::max(worst_landmark, difference(deferred.loop.landmarks(), plain.loop.landmarks()));
     }
+    if (frame.index % 10 == 9) {
+      worst_prediction =
+          std::max(worst_prediction, difference(deferred.predictions(), plain.predictions()));
+    }
   }
   worst_landmark =
       std::max(worst_landmark, difference(deferred.loop.landmarks(), plain.loop.landmarks()));
   const int synchronisations = deferred.ekf->state().passive.synchronisations();
-  std::printf("largest difference: camera %.1e, landmarks %.1e [sigma]\n", worst, worst_landmark);
+  std::printf("largest difference: camera %.1e, landmarks %.1e, predictions %.1e [sigma]\n", worst,
+              worst_landmark, worst_prediction);
   std::printf(
       "%d synchronisations, %d frames with returns, %d pruned while passive, at most %d rows "
       "passive, %.0f%%\n",
       synchronisations, used.returns, used.retired, used.largest, 100.0 * used.share);
   EXPECT_LT(worst, kSame);
   EXPECT_LT(worst_landmark, kSame);
+  EXPECT_LT(worst_prediction, kSame);
   EXPECT_GE(synchronisations, 4);
   EXPECT_GE(used.returns, 20);
   EXPECT_GE(used.retired, 1);

@@ -23,35 +23,119 @@ std::vector<Eigen::Vector3d> metres_forward(int count) {
 
 TEST(Map, FramesThePathNotTheFarthestPoint) {
   std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 40; ++i) points.emplace_back(i % 2 == 0 ? 3.0 : 600.0, 0.0, 5.0);
-  const MapPlane plane = map_plane({}, metres_forward(9), points);
-  EXPECT_LT(plane.shown.sizes().maxCoeff(), 20.0);
-  EXPECT_TRUE(plane.shown.contains(Eigen::Vector2d(3.0, 5.0)));
+  for (int i = 0; i < 40; ++i) points.emplace_back(i % 2 == 0 ? 3.0 : 600.0, 1.0, 5.0);
+  const MapFrame frame = map_frame({}, metres_forward(9), points);
+  EXPECT_LT(frame.shown.sizes().maxCoeff(), 20.0);
+  EXPECT_TRUE(frame.shown.contains(Eigen::Vector3d(3.0, 5.0, -1.0)));  // right, forward, up
 }
 
 TEST(Map, OfACameraAtRestShowsTheNearestPoints) {
   std::vector<Eigen::Vector3d> points;
   for (int i = 1; i <= 40; ++i) points.emplace_back(0.0, 0.0, i);
-  const MapPlane plane = map_plane({}, metres_forward(1), points);
-  EXPECT_TRUE(plane.shown.contains(Eigen::Vector2d(0.0, 10.0)));
-  EXPECT_FALSE(plane.shown.contains(Eigen::Vector2d(0.0, 20.0)));
+  const MapFrame frame = map_frame({}, metres_forward(1), points);
+  EXPECT_TRUE(frame.shown.contains(Eigen::Vector3d(0.0, 10.0, 0.0)));
+  EXPECT_FALSE(frame.shown.contains(Eigen::Vector3d(0.0, 20.0, 0.0)));
+}
+
+PictureState measured(const LandmarkEstimate& landmark) {
+  PictureState state;
+  state.landmarks = {landmark};
+  state.observations = {{landmark.track, {20.0, 30.0}}};
+  return state;
+}
+
+// Where two pictures differ.
+cv::Mat difference_of(const cv::Mat& a, const cv::Mat& b) {
+  cv::Mat difference, grey;
+  cv::absdiff(a, b, difference);
+  cv::cvtColor(difference, grey, cv::COLOR_BGR2GRAY);
+  return grey > 30;
+}
+
+cv::Mat on_map(const PictureState& state, const MapView& view = kTopView) {
+  const MapFrame frame = map_frame({}, metres_forward(9), {{2.0, -1.0, 4.0}});
+  return difference_of(draw_map(frame, view, {400, 400}, state),
+                       draw_map(frame, view, {400, 400}, {}));
 }
 
 // The coloured pixels of one landmark, cut out.
 cv::Mat mark_of(Label label) {
-  const Camera camera;
-  const CameraEstimate estimate;
-  const Eigen::Vector3d position(2.0, 0.0, 4.0);
-  const MapPlane plane = map_plane({}, metres_forward(9), {position});
-  const PictureState nothing{camera, 1.0, estimate, {}, {}};
-  const PictureState one{camera, 1.0, estimate, {at(position, label)}, {}};
-  const cv::Size size(400, 400);
-  cv::Mat difference, grey;
-  cv::absdiff(draw_map(plane, size, one, {}, {}), draw_map(plane, size, nothing, {}, {}),
-              difference);
-  cv::cvtColor(difference, grey, cv::COLOR_BGR2GRAY);
-  const cv::Mat mask = grey > 30;
+  const cv::Mat mask = on_map(measured(at({2.0, -1.0, 4.0}, label)));
   return mask(cv::boundingRect(mask)).clone();
+}
+
+TEST(Map, IsSeenFromTheSideToo) {
+  const PictureState state = measured(at({2.0, -1.0, 4.0}, Label::kStatic));
+  const cv::Rect above = cv::boundingRect(on_map(state)),
+                 side = cv::boundingRect(on_map(state, kSideView));
+  // The middle of what is shown: 1 m to the right, 4 m forward, 0.5 m up.
+  EXPECT_GT(above.x, 200);                              // to the right
+  EXPECT_NEAR(above.y + above.height / 2.0, 200, 2.0);  // forward
+  EXPECT_NEAR(side.x + side.width / 2.0, 200, 2.0);
+  EXPECT_LT(side.y, 200);  // up
+}
+
+TEST(Map, LeavesOffWhatIsNotMeasuredButADotWhereItIsStatic) {
+  for (const Label label : {Label::kUnknown, Label::kStatic, Label::kMoving}) {
+    PictureState state = measured(at({2.0, -1.0, 4.0}, label));
+    state.observations.clear();
+    const int marked = cv::countNonZero(on_map(state));
+    EXPECT_EQ(marked > 0, label == Label::kStatic);
+    EXPECT_LT(marked, 20);
+  }
+}
+
+PictureState with_prediction(Measured what) {
+  PictureState state = measured(at({2.0, -1.0, 4.0}, Label::kStatic));
+  if (what == Measured::kNot) state.observations.clear();
+  state.predictions = {{0, {60.0, 40.0}, Eigen::Vector2d(100.0, 25.0).asDiagonal(), what}};
+  return state;
+}
+
+// Two sigma of S around the prediction, not around what was measured.
+TEST(Image, HasTheEllipseOfS) {
+  const cv::Mat image(80, 120, CV_8UC1, cv::Scalar(128));
+  const PictureState state = with_prediction(Measured::kNot);
+  const cv::Mat mask =
+      difference_of(draw_predictions(image, 1, state), draw_predictions(image, 1, {}));
+  const cv::Rect box = cv::boundingRect(mask);
+  EXPECT_NEAR(box.x + box.width / 2.0, 60.5, 1.0);
+  EXPECT_NEAR(box.width, 41.0, 2.0);
+  EXPECT_NEAR(box.height, 21.0, 2.0);
+}
+
+TEST(Image, TellsARejectedMeasurementByItsShape) {
+  const cv::Mat image(80, 120, CV_8UC1, cv::Scalar(255));
+  const auto dark = [&](Measured what, int dx, int dy) {
+    cv::Mat grey;
+    cv::cvtColor(draw_predictions(image, 1, with_prediction(what)), grey, cv::COLOR_BGR2GRAY);
+    return grey.at<unsigned char>(30 + dy, 20 + dx) < 200;
+  };
+  EXPECT_TRUE(dark(Measured::kAccepted, 4, 0));
+  EXPECT_FALSE(dark(Measured::kAccepted, 3, 3));
+  EXPECT_FALSE(dark(Measured::kRejected, 4, 0));
+  EXPECT_TRUE(dark(Measured::kRejected, 3, 3));
+}
+
+// The run of an earlier build: marks where it was measured.
+TEST(Image, WithoutAPredictionHasTheMarkAtTheMeasurement) {
+  const cv::Mat image(80, 120, CV_8UC1, cv::Scalar(128));
+  const PictureState state = measured(at({2.0, -1.0, 4.0}, Label::kMoving));
+  const cv::Mat mask =
+      difference_of(draw_predictions(image, 1, state), draw_predictions(image, 1, {}));
+  const cv::Rect box = cv::boundingRect(mask);
+  EXPECT_NEAR(box.x + box.width / 2.0, 20.5, 1.0);
+  EXPECT_NEAR(box.y + box.height / 2.0, 30.5, 1.0);
+}
+
+TEST(Page, HasEvenSides) {
+  for (const cv::Size size : {cv::Size(161, 121), cv::Size(641, 481), cv::Size(1241, 377)}) {
+    const MapFrame frame = map_frame({}, metres_forward(9), {});
+    const cv::Mat page = draw_page(cv::Mat(size, CV_8UC1, cv::Scalar(128)), {}, frame, "caption");
+    EXPECT_EQ(page.rows % 2, 0);
+    EXPECT_EQ(page.cols % 2, 0);
+    EXPECT_GT(page.rows, size.height);
+  }
 }
 
 TEST(Map, MarksAreSixPixelsAtLeastAndDifferInShape) {

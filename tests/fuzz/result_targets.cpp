@@ -65,6 +65,12 @@ void read_run_folder(const Path& folder) {
   require_poses(stored.run.filtered);
 }
 
+void read_predictions(const Path& folder) {
+  for (const auto& [frame, p] : read_prediction_rows(folder / "predictions.csv")) {
+    if (!p.pixel.allFinite() || !p.S.allFinite()) throw std::logic_error("a prediction");
+  }
+}
+
 Files configuration() {
   return {{"configuration.yaml",
            "landmark: scaled_velocity\nwindow: {frames: 5, solver: own}\ngate.probability: 0.95\n"
@@ -160,6 +166,9 @@ Files run() {
           {"trajectory.tum", "# camera\n0 0 0 0 0 0 0 1\n0.1 1 0 0 0 0 0.6 0.8\n"},
           {"pose_covariance.csv", "# c\ntimestamp,p11\n0" + zeros(21) + "\n0.1" + zeros(21) + "\n"},
           {"landmarks.csv", "track,frame\n3,1,static,1,2,3,0,0,0" + zeros(12) + "\n"},
+          {"predictions.csv",
+           "# p\nframe,track,u,v,s_uu,s_uv,s_vv,measured\n0,3,10,20.5,2,0.5,1,accepted\n"
+           "1,3,11,20.5,2,-0.5,1,-\n1,4,11,2,2,0,1,rejected\n"},
           {"classification.csv", "track,truth\n3,static,static,1,2\n4,-,unknown,,7\n"},
           {"timing.csv", "frame,stage,milliseconds,state_size\n0,predict,0.1,13\n"},
           {"metrics.json",
@@ -183,6 +192,7 @@ constexpr Target kTargets[] = {
     {"run_trajectory", run, "trajectory.tum", read_run_folder},
     {"run_covariances", run, "pose_covariance.csv", read_run_folder},
     {"run_landmarks", run, "landmarks.csv", read_run_folder},
+    {"run_predictions", run, "predictions.csv", read_predictions},
     {"run_classification", run, "classification.csv", read_run_folder},
     {"run_timing", run, "timing.csv", read_run_folder},
     {"run_metrics", run, "metrics.json", read_run_folder},
