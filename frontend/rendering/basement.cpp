@@ -2,7 +2,8 @@
 // with desks, cabinets and pillars; a robot drives round an ellipse and past its start; a person
 // walks through its view three times.
 //
-// Time is counted in parts of the run, so that a run of fewer frames is the same at a lower rate.
+// Lap and passages are parts of the run: with fewer frames at the same rate the robot drives
+// faster, and the person does not.
 #include <cmath>
 #include <numbers>
 

@@ -1,8 +1,10 @@
 #include "frontend/rendering/rendered_scenario.h"
 
+#include <algorithm>
 #include <deque>
 #include <future>
 #include <mutex>
+#include <string>
 
 #include "frontend/rendering/render.h"
 #include "frontend/tracking/track_images.h"
