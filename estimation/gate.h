@@ -29,6 +29,7 @@ struct FrameInnovation {
   std::vector<Observation> z;
   std::vector<Eigen::Vector2d> nu;  // z - h(x) [px]
   // Joint covariance of all h(x), without the pixels' noise [px^2]: 2n x 2n, the lower triangle.
+  // With what the linearisation leaves out, where an estimator states it.
   GrowingMatrix HPHt;
 };
 

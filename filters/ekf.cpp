@@ -15,7 +15,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       gate_threshold_(pixel_threshold(models.gate.probability)),
       functions_(find_landmark(models.landmark, models.point)),
       memory_(options.delayed ? 0 : motion_memory(models, functions_)),
-      linearisation_(options.linearisation, functions_, setup.truth) {
+      linearisation_(options, functions_, setup.truth) {
   if (options.deferred && options.linearisation == FilterLinearisation::kInvariant) {
     throw std::invalid_argument(
         "ekf.deferred cannot go with linearisation invariant, which changes passive rows at each "

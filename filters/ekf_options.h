@@ -10,7 +10,8 @@ struct EkfOptions {
   int iterations = 1;    // 1: EKF; more: iterated EKF (Gauss-Newton steps on the same prior)
   bool delayed = false;  // a landmark's measurements move nothing but itself until it is classified
   int lag = 0;           // poses of past frames kept in the state, without relinearisation
-  bool deferred = false;  // the map out of view is updated when it is seen again: passive_map.h
+  bool second_order = true;  // noise of the product of depth and translation: second_order.h
+  bool deferred = false;     // the map out of view is updated when it is seen again: passive_map.h
 };
 
 }  // namespace slammot

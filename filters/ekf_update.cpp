@@ -2,6 +2,8 @@
 
 #include <Eigen/LU>
 
+#include "filters/second_order.h"
+
 // LAPACK: the Cholesky factor of one triangle, in place; and from it one triangle of the inverse.
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" void dpotrf_(const char* uplo, const int* n, double* A, const int* lda, int* info);
@@ -31,6 +33,25 @@ std::optional<ObservedPixel> linearised(const JointState& state, const Linearisa
   if (!there) return h;
   if (h) there->pixel = h->pixel;
   return there;
+}
+
+// Whether N is stated for a landmark: that of a free one is not (second_order.h).
+bool has_second_order(const Linearisation& linearisation, const FilterLandmark& landmark) {
+  return linearisation.has_second_order() && !landmark.is_free();
+}
+
+Eigen::Matrix2d second_order(const JointState& state, const Linearisation& linearisation,
+                             const FilterLandmark& landmark, const ObservedPixel& h) {
+  if (!has_second_order(linearisation, landmark)) return Eigen::Matrix2d::Zero();
+  const StateBlock blocks[] = {
+      {kPosition, 3}, state.anchors.at(landmark.anchor).block, landmark.y_block};
+  PositionsCovariance P;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      P.block<3, 3>(3 * i, 3 * j) = state.covariance.block(blocks[i], blocks[j]);
+    }
+  }
+  return second_order_noise(linearisation.point(), landmark.y, P, h);
 }
 
 void stack_J_pose(Innovation& z) {
@@ -141,12 +162,15 @@ void linearise(const JointState& state, const Linearisation& linearisation, cons
   result.matches.clear();
   result.predicted.clear();
   result.nu.clear();
+  result.second_order.clear();
   for (const Observation& match : matches) {
     const auto h = linearised(state, linearisation, camera, match.track);
     if (!h) continue;
     result.matches.push_back(match);
     result.predicted.push_back(*h);
     result.nu.emplace_back(match.pixel - h->pixel);
+    result.second_order.push_back(
+        second_order(state, linearisation, state.landmarks.at(match.track), *h));
   }
   fill_P_Ht(state, result);
 }
@@ -160,7 +184,12 @@ std::optional<Prediction> predict_pixel(const JointState& state, const Linearisa
                                landmark.y_block};
   Eigen::Matrix<double, 2, 12> H;
   H << h->J_pose, h->J_anchor, h->J_y;
-  const Eigen::Matrix2d S = H * state.marginal(blocks) * H.transpose();
+  const Matrix12d P = state.marginal(blocks);
+  Eigen::Matrix2d S = H * P * H.transpose();
+  if (has_second_order(linearisation, landmark)) {
+    constexpr int kPlaces[] = {0, 1, 2, 6, 7, 8, 9, 10, 11};  // of r, a, y
+    S += second_order_noise(linearisation.point(), landmark.y, P(kPlaces, kPlaces), *h);
+  }
   return Prediction{track, h->pixel, S + pixel_variance * Eigen::Matrix2d::Identity()};
 }
 
@@ -181,6 +210,7 @@ void fill_HPHt(const JointState& state, Innovation& z, GrowingMatrix& result) {
           h.J_anchor.lazyProduct(P_Ht.block<3, 1>(anchor, column)) +
           h.J_y.lazyProduct(P_Ht.block<3, 1>(landmark.y_block.offset, column));
     }
+    S.block<2, 2>(row, row) += z.second_order[i];
   }
 }
 
@@ -193,6 +223,7 @@ void keep(std::span<const Observation> accepted, Innovation& z) {
       z.matches[kept] = z.matches[i];
       z.predicted[kept] = z.predicted[i];
       z.nu[kept] = z.nu[i];
+      z.second_order[kept] = z.second_order[i];
       P_Ht.middleCols<2>(static_cast<Index>(2 * kept)) =
           P_Ht.middleCols<2>(static_cast<Index>(2 * i));
     }
@@ -201,6 +232,7 @@ void keep(std::span<const Observation> accepted, Innovation& z) {
   z.matches.resize(kept);
   z.predicted.resize(kept);
   z.nu.resize(kept);
+  z.second_order.resize(kept);
   z.P_Ht.keep_columns(z.rows());
 }
 

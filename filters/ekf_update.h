@@ -10,12 +10,13 @@
 namespace slammot {
 
 // The measurements of a frame linearised at the state: innovation nu = z - h(x), H as its thin
-// product P H' (n x 2m). Two rows (columns) a match, in the order of the matches. Kept from frame
-// to frame for its memory.
+// product P H' (n x 2m), N of second order. Two rows (columns) a match, in the order of the
+// matches. Kept from frame to frame for its memory.
 struct Innovation {
   std::vector<Observation> matches;  // of landmarks in the state
   std::vector<ObservedPixel> predicted;
   std::vector<Eigen::Vector2d> nu;
+  std::vector<Eigen::Matrix2d> second_order;  // N (second_order.h), or zero [px^2]
   GrowingMatrix P_Ht;
 
   Eigen::Index rows() const { return 2 * std::ssize(matches); }
@@ -32,7 +33,7 @@ void linearise(const JointState& state, const Linearisation& linearisation, cons
 std::optional<Prediction> predict_pixel(const JointState& state, const Linearisation& linearisation,
                                         const Camera& camera, double pixel_variance, int track);
 
-// H P H' of all matches, its lower triangle.
+// H P H' + N of all matches, its lower triangle.
 void fill_HPHt(const JointState& state, Innovation& innovation, GrowingMatrix& result);
 
 // Only these of the matches, in their order, are left.

@@ -8,9 +8,12 @@
 
 namespace slammot {
 
-Linearisation::Linearisation(FilterLinearisation kind, const LandmarkFunctions& landmark,
+Linearisation::Linearisation(const EkfOptions& options, const LandmarkFunctions& landmark,
                              std::shared_ptr<const Truth> truth)
-    : kind_(kind), functions_(landmark), truth_(std::move(truth)) {
+    : kind_(options.linearisation),
+      second_order_(options.second_order),
+      functions_(landmark),
+      truth_(std::move(truth)) {
   if (kind_ == Kind::kIdeal && !truth_) {
     throw std::invalid_argument("linearisation ideal needs the exact truth of a simulation");
   }

@@ -1,4 +1,5 @@
-// Where the EKF takes its Jacobians; innovations and predictions are always at the estimate.
+// Where the EKF takes its Jacobians, and whether it states what they leave out (second_order.h);
+// innovations and predictions are always at the estimate.
 //
 // `standard`: at the newest estimate.
 //
@@ -9,7 +10,7 @@
 // camera's F is not matched to the points on both sides of a prediction, so a heading is still
 // invented.
 //
-// `ideal`: at the truth, in simulation only.
+// `ideal`: at the truth, in simulation only. There nothing is left out.
 //
 // `invariant`: at the newest estimate, but the errors of everything in W are taken to turn with the
 // camera's error (right-invariant error, Barrau & Bonnabel 2015). A heading that nobody has
@@ -33,13 +34,15 @@ namespace slammot {
 class Linearisation {
  public:
   // Throws std::invalid_argument for an unknown name, or `ideal` without a truth.
-  Linearisation(FilterLinearisation kind, const LandmarkFunctions& landmark,
+  Linearisation(const EkfOptions& options, const LandmarkFunctions& landmark,
                 std::shared_ptr<const Truth> truth);
 
   // Jacobians are taken at the estimate.
   bool at_estimate() const { return kind_ == Kind::kStandard || kind_ == Kind::kInvariant; }
 
   bool at_truth() const { return kind_ == Kind::kIdeal; }
+
+  bool has_second_order() const { return second_order_ && !at_truth(); }
 
   const PointFunctions& point() const { return functions_.point; }
   CameraState camera(const JointState& state) const;
@@ -75,6 +78,7 @@ class Linearisation {
   void forget_what_left(const JointState& state);
 
   Kind kind_;
+  bool second_order_;
   const LandmarkFunctions& functions_;
   std::shared_ptr<const Truth> truth_;
   std::optional<CameraState> camera_;  // none before the first prediction: the estimate

@@ -19,15 +19,15 @@ std::optional<ObservedPixel> observe(const Camera& camera, const PointFunctions&
   if (length < kNearest * rho || ray.z() < kGrazing * length) return std::nullopt;
   const auto projection = camera.project(ray);
   if (!projection) return std::nullopt;
-  const Matrix23d J_pixel_world = projection->J_pixel_ray * R.conjugate().toRotationMatrix();
   ObservedPixel z;
+  z.J_world = projection->J_pixel_ray * R.conjugate().toRotationMatrix();
   z.pixel = projection->pixel;
-  z.J_anchor = rho * J_pixel_world;
+  z.J_anchor = rho * z.J_world;
   z.J_pose.leftCols<3>() = -z.J_anchor;
   z.J_pose.rightCols<3>() = projection->J_pixel_ray * hat(ray);
   const Eigen::Matrix3d J_ray_y =
       from_anchor.J_direction + (anchor - r) * from_anchor.J_inverse_depth;
-  z.J_y = J_pixel_world * J_ray_y;
+  z.J_y = z.J_world * J_ray_y;
   return z;
 }
 

@@ -18,6 +18,7 @@ struct ObservedPixel {
   Eigen::Matrix<double, 2, 6> J_pose;  // with respect to [dr (W), dtheta (C, right)]
   Matrix23d J_anchor;
   Matrix23d J_y;
+  Matrix23d J_world;  // with respect to the ray in W
 };
 
 // Nothing when the landmark lies behind the camera, or within a centimetre of it: at the camera

@@ -145,7 +145,7 @@ TEST(Predictions, OfAnEkfAreThoseOfItsJointCovariance) {
   setup.initial.state.velocity = {0.3, -0.1, 0.5};
   setup.initial.state.angular_velocity = {0.05, 0.1, -0.1};
   const ModelOptions models;
-  Ekf ekf(setup, models, {});
+  Ekf ekf(setup, models, {.second_order = false});
   const std::vector<Observation> first = {{1, {100, 90}}, {2, {330, 250}}, {3, {500, 400}}};
   TrackRecords records;
   ekf.predict({0, 0.0, first}, 0.0, records);

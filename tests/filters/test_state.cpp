@@ -11,7 +11,7 @@
 namespace slammot {
 namespace {
 
-const Linearisation kStandard(FilterLinearisation::kStandard,
+const Linearisation kStandard({.second_order = false},
                               find_landmark("scaled_velocity", "inverse_depth"), nullptr);
 
 Camera pinhole() { return {640, 480, 385.0, 385.0, 319.5, 239.5, PinholeLens{}}; }

@@ -1,0 +1,90 @@
+// What the EKF states of the product of a landmark's depth and the camera's translation.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <random>
+
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/setup.h"
+#include "filters/ekf.h"
+#include "filters/second_order.h"
+#include "models/landmarks/landmark_models.h"
+
+namespace slammot {
+namespace {
+
+const PointFunctions& kPoint = find_point("inverse_depth");
+const Camera kCamera{640, 480, 385.0, 385.0, 319.5, 239.5, PinholeLens{}};
+
+// Whatever depth and translation have in common.
+TEST(SecondOrder, IsTheCovarianceOfTheProductOfDepthAndTranslation) {
+  std::mt19937_64 engine(5);
+  std::normal_distribution<double> normal;
+  const PositionsCovariance A =
+      PositionsCovariance::NullaryExpr([&](Eigen::Index, Eigen::Index) { return normal(engine); });
+  const PositionsCovariance P = 1e-3 * A * A.transpose(), L = P.llt().matrixL();
+  const Eigen::Vector3d y(0.2, -0.1, 0.3);
+  const auto h = observe(kCamera, kPoint, {0.1, -0.05, 0.02}, Eigen::Quaterniond::Identity(),
+                         Eigen::Vector3d::Zero(), y);
+  ASSERT_TRUE(h);
+  constexpr int kDraws = 200000;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+  for (int i = 0; i < kDraws; ++i) {
+    Eigen::Vector<double, 9> e;
+    for (double& value : e) value = normal(engine);
+    e = (L * e).eval();
+    const Eigen::Vector3d d = e.segment<3>(3) - e.head<3>();
+    const Eigen::Vector2d left_out = h->J_world * (e(8) * d);  // y is (theta, phi, rho)
+    sum += left_out;
+    squares += left_out * left_out.transpose();
+  }
+  const Eigen::Matrix2d drawn = squares / kDraws - sum * sum.transpose() / kDraws / kDraws;
+  const Eigen::Matrix2d N = second_order_noise(kPoint, y, P, *h);
+  EXPECT_LT((N - drawn).norm(), 0.03 * N.norm());
+}
+
+// The mean NEES of the pose of a camera whose motion is not known, among landmarks that stand
+// nearer than is stated.
+double nees_at_the_start(std::uint64_t seed, bool second_order) {
+  const Sequence sequence = simulate(
+      "circle", {{"frames", "60"}, {"moving", "0"}, {"noise", "0.3"}, {"stated_noise", "0.3"}},
+      seed);
+  Configuration configuration;
+  configuration.model.classifier.name = "all_static";
+  configuration.ekf.second_order = second_order;
+  slammot::Setup setup = make_setup(sequence, configuration);
+  setup.known.clear();
+  setup.prior.inverse_depth *= 0.5;
+  const CameraState truth = setup.initial.state;
+  setup.initial.velocity_sigma = truth.velocity.norm();
+  setup.initial.angular_velocity_sigma = 1.0;
+  setup.initial.state.velocity.setZero();
+  setup.initial.state.angular_velocity.setZero();
+  const auto ekf = make_ekf(setup, configuration.model, configuration.ekf);
+  NoStages stages;
+  double sum = 0.0;
+  for (const Frame& frame : sequence.frames) {
+    ekf->process(frame, stages);
+    const CameraEstimate x = ekf->camera();
+    const Vector12d e = boxminus(*sequence.truth[static_cast<std::size_t>(frame.index)], x.state);
+    const Eigen::Matrix<double, 6, 6> P = x.covariance.topLeftCorner<6, 6>();
+    sum += e.head<6>().dot(P.ldlt().solve(e.head<6>()));
+  }
+  return sum / static_cast<double>(sequence.frames.size());
+}
+
+TEST(SecondOrder, ClaimsLessWhereMotionAndDepthsAreUnknown) {
+  double ratio = 1.0;
+  constexpr int kSeeds = 6;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const double with = nees_at_the_start(seed, true), without = nees_at_the_start(seed, false);
+    std::printf("seed %d: NEES %.0f, without %.0f\n", static_cast<int>(seed), with, without);
+    ratio *= std::pow(with / without, 1.0 / kSeeds);
+  }
+  EXPECT_LT(ratio, 0.85);
+}
+
+}  // namespace
+}  // namespace slammot
