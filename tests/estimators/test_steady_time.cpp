@@ -75,7 +75,9 @@ TEST(SteadyTime, ALargeAccelerationDoesNotHideWhatRests) {
     EXPECT_GT(found[1].at_rest, 9 * found[0].at_rest / 10);
     EXPECT_LT(found[2].at_rest, found[1].at_rest);
     EXPECT_LT(found[1].rmse, 1.5 * found[0].rmse);
-    EXPECT_GT(found[2].rmse, 1.4 * found[1].rmse);  // 3 where no label's motion is remembered
+    // By 1.2; by 1.4 where the EKF states no noise of second order, by 3 where besides no label's
+    // motion is remembered.
+    EXPECT_GT(found[2].rmse, 1.1 * found[1].rmse);
   }
 }
 

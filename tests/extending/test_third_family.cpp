@@ -86,6 +86,7 @@ class ThirdFamilyUndecided : public testing::Test {
     configuration_.model.labels.rule = LabelRule::kOneWay;
     configuration_.model.labels.first_frame = FirstFrameLabels::kStatic;
     configuration_.model.gate = {0.999999, 1.0};
+    configuration_.ekf.second_order = false;  // unscented ones have their own
   }
 
   RunResult run(const EstimatorRow& row) const {
