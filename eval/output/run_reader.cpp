@@ -103,7 +103,8 @@ std::vector<PredictionRecord> read_prediction_rows(const Path& file) {
     record.frame = row.count(0);
     p.track = row.count(1);
     p.pixel = {row.bounded(2), row.bounded(3)};
-    p.S << row.real(4), row.real(5), row.real(5), row.real(6);
+    const double s_uu = row.real(4), s_uv = row.real(5), s_vv = row.real(6);  // may throw
+    p.S << s_uu, s_uv, s_uv, s_vv;
     p.measured = measured_at(row, 7);
     if (!(p.S(0, 0) > 0.0 && std::abs(p.S(0, 1)) < std::sqrt(p.S(0, 0)) * std::sqrt(p.S(1, 1)))) {
       row.refuse("s_uu, s_uv, s_vv are no covariance");
