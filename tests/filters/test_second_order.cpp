@@ -49,7 +49,7 @@ TEST(SecondOrder, IsTheCovarianceOfTheProductOfDepthAndTranslation) {
 // nearer than is stated.
 double nees_at_the_start(std::uint64_t seed, bool second_order) {
   const Sequence sequence = simulate(
-      "circle", {{"frames", "60"}, {"moving", "0"}, {"noise", "0.3"}, {"stated_noise", "0.3"}},
+      "circle", {{"frames", "30"}, {"moving", "0"}, {"noise", "0.3"}, {"stated_noise", "0.3"}},
       seed);
   Configuration configuration;
   configuration.model.classifier.name = "all_static";

@@ -132,6 +132,29 @@ TEST(JointCovariance, OfAllPixelsIsHPHt) {
   EXPECT_LT((both - HPHt).norm(), 1e-12 * HPHt.norm());
 }
 
+// Pictures show the S that the gate asks.
+TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
+  const Linearisation second({}, find_landmark("scaled_velocity", "inverse_depth"), nullptr);
+  JointState state = scene(1);
+  state.free_motion(3, MotionVector::Constant(3, 0.5));
+  step(state, pixels_of(state, 1));
+  Innovation z;
+  linearise(state, second, pinhole(), pixels_of(state, 2), z);
+  ASSERT_EQ(z.matches.size(), 4u);
+  GrowingMatrix HPHt;
+  fill_HPHt(state, z, HPHt);
+  for (int i = 0; i < 4; ++i) {
+    const bool is_static = i < 3;
+    EXPECT_EQ(z.second_order[static_cast<std::size_t>(i)].norm() > 0.0, is_static);
+    const Eigen::Matrix2d S = (*HPHt).block<2, 2>(2 * i, 2 * i).selfadjointView<Eigen::Lower>();
+    const auto shown = predict_pixel(state, second, pinhole(), 0.0, i);
+    const auto without = predict_pixel(state, kStandard, pinhole(), 0.0, i);
+    ASSERT_TRUE(shown && without);
+    EXPECT_LT((shown->S - S).norm(), 1e-12 * S.norm());
+    EXPECT_EQ((shown->S - without->S).norm() > 0.0, is_static);
+  }
+}
+
 TEST(Keep, LeavesTheInnovationOfWhatWasAccepted) {
   JointState state = scene(1);
   const auto matches = pixels_of(state, 2);
