@@ -88,15 +88,16 @@ void gauss_newton_step(const RayMatches& m, TwoView& pose) {
 
 double angle_of(const Eigen::Matrix3d& R) { return log_so3(Eigen::Quaterniond(R)).norm(); }
 
-std::optional<TwoView> ransac(const RayMatches& m, double sigma) {
+std::optional<TwoView> search_poses(const RayMatches& m, double sigma, Search search) {
   const auto plane = [](const std::vector<Eigen::Vector3d>& rays) {
     std::vector<cv::Point2d> points;
     for (const Eigen::Vector3d& x : rays) points.emplace_back(x.x(), x.y());
     return points;
   };
   // Its generator has a seed of its own in each call: the same matches give the same matrix.
-  const cv::Mat E = cv::findEssentialMat(plane(m.first), plane(m.second), 1.0, {0.0, 0.0},
-                                         cv::RANSAC, kConfidence, kRansacCut * sigma);
+  const int method = search == Search::quick ? cv::USAC_DEFAULT : cv::RANSAC;
+  const cv::Mat E = cv::findEssentialMat(plane(m.first), plane(m.second), 1.0, {0.0, 0.0}, method,
+                                         kConfidence, kRansacCut * sigma);
   if (E.rows != 3 || E.cols != 3) return std::nullopt;
   cv::Matx33d R1, R2;
   cv::Vec3d t;
@@ -177,9 +178,9 @@ double parallax(const TwoView& pose, const RayMatches& m, std::size_t match) {
   return std::atan2(x1.cross(x2).norm(), x1.dot(x2));
 }
 
-std::optional<TwoView> relative_pose(const RayMatches& matches, double sigma) {
+std::optional<TwoView> relative_pose(const RayMatches& matches, double sigma, Search search) {
   if (matches.first.size() < kLeastMatches) return std::nullopt;
-  std::optional<TwoView> pose = ransac(matches, sigma);
+  std::optional<TwoView> pose = search_poses(matches, sigma, search);
   if (!pose) return std::nullopt;
   double shown = sigma;
   for (int round = 0; round < kRounds; ++round) {
