@@ -111,6 +111,7 @@ class Reader {
     for (const auto& item : node) {
       YamlMap map(file_, item, "an entry of '" + list + "'");
       NamedSettings row;
+      row.line = item.Mark().line + 1;
       row.recorded = kind == "scenario" && map.has("sequence");
       row.name = row.recorded ? folder_of(map.text("sequence")) : map.text(kind);
       const std::string name =
@@ -223,7 +224,7 @@ void try_scenarios(const std::filesystem::path& file, Study& study) {
       const Sequence sequence = study_sequence(cell, study.first_seed);
       if (!cell.sequence.empty()) study.recordings[cell.sequence.string()] = sequence.sha256;
     } catch (const std::invalid_argument& error) {
-      throw InputError(file, 0, error.what());
+      throw InputError(file, cell.line, error.what());
     }
   }
 }

@@ -24,6 +24,7 @@ struct StudyCell {
   std::string group;  // label of the scenario and of the swept values: its cells are paired
   std::string label;  // of the estimator
   std::string scenario;
+  int line = 0;                    // of the scenario, in the study's file
   std::filesystem::path sequence;  // recorded, in the place of a scenario
   ScenarioOverrides scene;
   std::string estimator;

@@ -34,6 +34,7 @@ StudyCell cell_of(const NamedSettings& scenario, const Settings& values,
   StudyCell cell;
   cell.group = scenario.label;
   cell.label = estimator.label;
+  cell.line = scenario.line;
   if (scenario.recorded) {
     cell.sequence = scenario.name;
   } else {

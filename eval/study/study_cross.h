@@ -9,6 +9,7 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 
 struct NamedSettings {
   std::string label;
+  int line = 0;      // in the study's file
   std::string name;  // of the scenario or the estimator; folder of a recorded sequence
   bool recorded = false;
   Settings settings;

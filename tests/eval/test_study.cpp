@@ -1,4 +1,5 @@
 // Statistics of studies on runs whose answers are known.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -90,6 +91,24 @@ estimators: [{estimator: ekf}]
   EXPECT_GE(within, 3 * 7 - 2);
   EXPECT_EQ(runs_done, 3);
   EXPECT_NEAR(done, 3.0, 1e-9);
+}
+
+TEST(Study, RefusesAScenarioAtItsLine) {
+  const test::TemporaryFolder folder;
+  for (const auto* scene : {"cirle", "circle, set: {movng: 3}", "circle, set: {moving: -3}"}) {
+    test::write_text(folder.path() / "s.yaml", fmt::format(R"(format: slammot-study-1
+name: s
+runs: 1
+scenarios:
+  - {{scenario: circle, label: good}}
+  - {{scenario: {}}}
+estimators: [{{estimator: ekf}}]
+)",
+                                                           scene));
+    EXPECT_THAT([&] { read_study(folder.path() / "s.yaml"); },
+                testing::ThrowsMessage<InputError>(testing::HasSubstr("s.yaml:6: ")))
+        << scene;
+  }
 }
 
 TEST(Study, ARecordingThatChangesMeanwhileIsNotMixed) {
