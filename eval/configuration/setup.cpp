@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "estimation/classification.h"
 #include "estimation/depth_prior.h"
 
@@ -36,6 +38,25 @@ MotionNoise motion_noise(const Sequence& sequence, const MotionConfiguration& ov
 
 constexpr double kUnknownMean = 1.0;  // [1/m], of a scene of which nothing is stated
 
+// A scene of which nothing is stated but landmarks known beforehand: it is about as far away as
+// those that the first frame measures.
+std::optional<double> inverse_depth_of_known(const Sequence& sequence, const CameraState& camera) {
+  if (sequence.frames.empty()) return std::nullopt;
+  double sum = 0.0;
+  int count = 0;
+  for (const KnownLandmark& known : sequence.known) {
+    const bool is_measured =
+        std::ranges::any_of(sequence.frames.front().observations,
+                            [&](const Observation& z) { return z.track == known.track; });
+    const double distance = (known.position - camera.position).norm();
+    if (!is_measured || !(distance > 0.0)) continue;
+    sum += 1.0 / distance;
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  return sum / count;
+}
+
 // How well rho0 is known: exactly, where it is all that holds the scale. A mean that is learnt is
 // known to half of itself where it is stated, and hardly at all where it is not.
 double mean_sigma(const LandmarkPrior& stated, bool learns, bool depths_are_stated) {
@@ -48,12 +69,18 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& came
                              const Configuration& configuration) {
   const PriorConfiguration& overrides = configuration.prior;
   LandmarkPrior prior = sequence.prior.value_or(LandmarkPrior{});
+  const bool is_given = sequence.prior || overrides.inverse_depth;
+  const auto of_known = is_given ? std::nullopt : inverse_depth_of_known(sequence, camera.state);
+  if (of_known) {
+    prior.inverse_depth_sigma *= *of_known / prior.inverse_depth;
+    prior.inverse_depth = *of_known;
+  }
   prior.inverse_depth = overrides.inverse_depth.value_or(prior.inverse_depth);
   prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
   const bool learns =
       learns_depths(configuration.model.depth_prior, camera, !sequence.known.empty());
-  const bool depths_are_stated = sequence.prior || overrides.inverse_depth;
-  const bool depths_are_known = depths_are_stated && prior.mean_sigma == 0.0;
+  const bool depths_are_stated = is_given || of_known;
+  const bool depths_are_known = is_given && prior.mean_sigma == 0.0;
   prior.mean_sigma = overrides.mean_sigma.value_or(mean_sigma(prior, learns, depths_are_stated));
   prior.spread_follows_mean = overrides.spread == PriorSpread::kAuto
                                   ? prior.mean_sigma > 0.0 && !depths_are_known

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <opencv2/core.hpp>
 
 #include "datasets/readers/image_reader.h"
 #include "frontend/rendering/render.h"
@@ -112,6 +113,8 @@ TEST(Basement, IsTheSameThroughFiles) {
   const ScenarioOverrides small{{"frames", "4"}, {"width", "240"}, {"height", "180"}};
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("slammot-basement-" + std::to_string(getpid()));
+  // One thread, as in test_rendered.cpp.
+  cv::setNumThreads(1);
   write_room(basement_options(), small, 5, folder);
   TrackOptions options;
   options.threads = 1;
@@ -134,6 +137,7 @@ TEST(Basement, IsTheSameThroughFiles) {
               1e-9);
   }
   std::filesystem::remove_all(folder);
+  cv::setNumThreads(-1);
 }
 
 }  // namespace
