@@ -39,7 +39,8 @@ MotionNoise motion_noise(const Sequence& sequence, const MotionConfiguration& ov
 constexpr double kUnknownMean = 1.0;  // [1/m], of a scene of which nothing is stated
 
 // A scene of which nothing is stated but landmarks known beforehand: it is about as far away as
-// those that the first frame measures.
+// those that the first frame measures, if they are nearer than the guess. A guess that is too far
+// takes the first flow for a rotation; one that is too near is corrected.
 std::optional<double> inverse_depth_of_known(const Sequence& sequence, const CameraState& camera) {
   if (sequence.frames.empty()) return std::nullopt;
   double sum = 0.0;
@@ -71,7 +72,8 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& came
   LandmarkPrior prior = sequence.prior.value_or(LandmarkPrior{});
   const bool is_given = sequence.prior || overrides.inverse_depth;
   const auto of_known = is_given ? std::nullopt : inverse_depth_of_known(sequence, camera.state);
-  if (of_known) {
+  const bool is_near = of_known && *of_known > prior.inverse_depth;
+  if (is_near) {
     prior.inverse_depth_sigma *= *of_known / prior.inverse_depth;
     prior.inverse_depth = *of_known;
   }
@@ -79,7 +81,7 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& came
   prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
   const bool learns =
       learns_depths(configuration.model.depth_prior, camera, !sequence.known.empty());
-  const bool depths_are_stated = is_given || of_known;
+  const bool depths_are_stated = is_given || is_near;
   const bool depths_are_known = is_given && prior.mean_sigma == 0.0;
   prior.mean_sigma = overrides.mean_sigma.value_or(mean_sigma(prior, learns, depths_are_stated));
   prior.spread_follows_mean = overrides.spread == PriorSpread::kAuto

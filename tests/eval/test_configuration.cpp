@@ -194,30 +194,34 @@ TEST(MakeSetup, DepthsAreLearntWhereALandmarkIsKnown) {
   EXPECT_EQ(make_setup(sequence, Configuration{}).prior.mean_sigma, 1.0);
 }
 
-// Where no depths are stated, those of known landmarks in view of the first frame are.
-TEST(MakeSetup, AKnownLandmarkTellsHowFarTheSceneIs) {
+// Where no depths are stated, those of known landmarks in view of the first frame are, if near.
+TEST(MakeSetup, AKnownLandmarkTellsHowNearTheSceneIs) {
   Sequence sequence = test::straight_line(2);
   const Eigen::Vector3d camera = sequence.truth[0]->position;
-  for (Frame& frame : sequence.frames) frame.observations.clear();
-  sequence.known = {{7, camera + 4.0 * Eigen::Vector3d::UnitZ(), 0.01},
-                    {8, camera + 2.0 * Eigen::Vector3d::UnitX(), 0.01},
+  sequence.known = {{7, camera + 2.0 * Eigen::Vector3d::UnitZ(), 0.01},
+                    {8, camera + 1.0 * Eigen::Vector3d::UnitX(), 0.01},
                     {9, camera, 0.01}};  // no depth
   const auto prior = [&] { return make_setup(sequence, Configuration{}).prior; };
+  const LandmarkPrior guess;
   sequence.frames[1].observations = {{7, {1.0, 2.0}}};
-  EXPECT_EQ(prior().inverse_depth, LandmarkPrior{}.inverse_depth);  // not yet measured
+  EXPECT_EQ(prior().inverse_depth, guess.inverse_depth);  // not yet measured
   EXPECT_EQ(prior().mean_sigma, 1.0);
   sequence.frames[0].observations = {{7, {1.0, 2.0}}, {8, {3.0, 4.0}}, {9, {5.0, 6.0}}};
-  EXPECT_DOUBLE_EQ(prior().inverse_depth, 0.375);
-  EXPECT_DOUBLE_EQ(prior().inverse_depth_sigma, 0.1875);
-  EXPECT_DOUBLE_EQ(prior().mean_sigma, 0.1875);
+  EXPECT_DOUBLE_EQ(prior().inverse_depth, 0.75);
+  EXPECT_DOUBLE_EQ(prior().inverse_depth_sigma, 0.375);
+  EXPECT_DOUBLE_EQ(prior().mean_sigma, 0.375);
   EXPECT_TRUE(prior().spread_follows_mean);
   Configuration configuration;
   configuration.prior.inverse_depth = 0.1;
   EXPECT_EQ(make_setup(sequence, configuration).prior.inverse_depth, 0.1);
   EXPECT_EQ(make_setup(sequence, configuration).prior.inverse_depth_sigma,
-            LandmarkPrior{}.inverse_depth_sigma);
-  sequence.prior = LandmarkPrior{};
-  EXPECT_EQ(prior().inverse_depth, LandmarkPrior{}.inverse_depth);
+            guess.inverse_depth_sigma);
+  sequence.prior = guess;
+  EXPECT_EQ(prior().inverse_depth, guess.inverse_depth);
+  sequence.prior.reset();
+  sequence.known = {{7, camera + 5.0 * Eigen::Vector3d::UnitZ(), 0.01}};
+  EXPECT_EQ(prior().inverse_depth, guess.inverse_depth);  // far
+  EXPECT_EQ(prior().mean_sigma, 1.0);
 }
 
 // A sequence that states depths knows their spread and half knows their mean; one that states a
