@@ -39,8 +39,8 @@ MotionNoise motion_noise(const Sequence& sequence, const MotionConfiguration& ov
 constexpr double kUnknownMean = 1.0;  // [1/m], of a scene of which nothing is stated
 
 // A scene of which nothing is stated but landmarks known beforehand: it is about as far away as
-// those that the first frame measures, if they are nearer than the guess. A guess that is too far
-// takes the first flow for a rotation; one that is too near is corrected.
+// those that the first frame measures, if they are nearer than the guess: with a guess that is too
+// far the first flow is taken for a rotation.
 std::optional<double> inverse_depth_of_known(const Sequence& sequence, const CameraState& camera) {
   if (sequence.frames.empty()) return std::nullopt;
   double sum = 0.0;

@@ -24,8 +24,8 @@ struct TrackNoise {
 };
 
 // What is stated at least [px]: the distances hold neither what a track keeps for its whole life
-// nor the tail of bad tracks. In the rendered room, whose pixels have 0.045 px, the NEES asks for
-// 0.1 px; so do the recordings of docs/images.md.
+// nor the tail of bad tracks. By the NEES of the rendered room, whose pixels have 0.045 px
+// (docs/images.md, also on what it costs).
 inline constexpr double kLeastStated = 0.1;
 
 // Nothing if no two frames share enough tracks.
