@@ -39,7 +39,7 @@ std::vector<RotationSpan> check_rotation(const Sequence& sequence,
   std::vector<RotationSpan> spans;
   for (std::size_t first = 0; first + 1 < end; first += kStep) {
     const Span span = span_from(sequence, first, end);
-    const auto five_point = relative_pose(span.matches, sigma, Search::quick);
+    const auto five_point = relative_pose(span.matches, sigma, Search::kQuick);
     if (!five_point) continue;
     const Eigen::Matrix3d R =
         (cameras[span.last].state.orientation.conjugate() * cameras[first].state.orientation)

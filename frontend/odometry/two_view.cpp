@@ -95,7 +95,7 @@ std::optional<TwoView> search_poses(const RayMatches& m, double sigma, Search se
     return points;
   };
   // Its generator has a seed of its own in each call: the same matches give the same matrix.
-  const int method = search == Search::quick ? cv::USAC_DEFAULT : cv::RANSAC;
+  const int method = search == Search::kQuick ? cv::USAC_DEFAULT : cv::RANSAC;
   const cv::Mat E = cv::findEssentialMat(plane(m.first), plane(m.second), 1.0, {0.0, 0.0}, method,
                                          kConfidence, kRansacCut * sigma);
   if (E.rows != 3 || E.cols != 3) return std::nullopt;

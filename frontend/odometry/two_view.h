@@ -42,11 +42,11 @@ struct TwoView {
 
 // RANSAC, or OpenCV's USAC, which takes a fifth of the time and explains as many matches in the
 // mean. On a plane it takes the wrong one of two solutions more often.
-enum class Search { thorough, quick };
+enum class Search { kThorough, kQuick };
 
 // `sigma`: ray_sigma(). Nothing where too few agree.
 std::optional<TwoView> relative_pose(const RayMatches& matches, double sigma,
-                                     Search search = Search::thorough);
+                                     Search search = Search::kThorough);
 
 // With the translation that suits this rotation best. Without inliers where none does.
 TwoView with_rotation(const RayMatches& matches, double sigma, const Eigen::Matrix3d& R);
