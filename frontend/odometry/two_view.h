@@ -40,7 +40,7 @@ struct TwoView {
   std::vector<std::size_t> inliers;                 // places of the matches
 };
 
-// RANSAC, or OpenCV's USAC, which takes a fifth of the time and explains as many matches in the
+// RANSAC, or OpenCV's USAC, which takes a quarter of the time and explains as many matches in the
 // mean. On a plane it takes the wrong one of two solutions more often.
 enum class Search { kThorough, kQuick };
 
