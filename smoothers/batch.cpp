@@ -127,17 +127,10 @@ void Batch::add_chain(const TrackHistory& history, GraphLandmark& l) {
   }
 }
 
-// A moving landmark that may pass through the camera can explain any pixel there: the solution is
-// drawn to that pole and then held by its edge (observation.h), all of it. A measurement of a
-// landmark that has come so near says nothing of the rest and is left out.
 void Batch::leave_out_poles() {
-  constexpr double kNear = 0.05;                                            // [m]
-  const double steepest = setup_.camera.fx / (kNear * setup_.pixel_sigma);  // of d residual / dr
   graph_.linearise();
   for (GraphLandmark& l : graph_.landmarks) {
-    std::erase_if(l.pixels, [&](const GraphPixel& pixel) {
-      return !pixel.z.here && (!pixel.valid || pixel.at.J_pose.leftCols<3>().norm() > steepest);
-    });
+    std::erase_if(l.pixels, [&](const GraphPixel& pixel) { return graph_.is_at_pole(pixel); });
   }
 }
 

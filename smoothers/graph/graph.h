@@ -114,6 +114,12 @@ class Graph {
   double linearise();
   double linearise(GraphLandmark& landmark);
 
+  // A moving landmark that may pass through the camera can explain any pixel there: the solution is
+  // drawn to that pole and then held by its edge (observation.h), all of it. A measurement whose
+  // landmark has come within 5 cm of the camera, or behind it, says nothing of the rest. Smoothers
+  // leave it out and solve again.
+  bool is_at_pole(const GraphPixel& pixel) const;
+
   // What is true at x [+] step. Nothing is changed but Variable::candidate.
   StepOutcome try_step();
 

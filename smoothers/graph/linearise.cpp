@@ -108,6 +108,13 @@ double Graph::linearise_pixel(GraphPixel& pixel, const GraphLandmark& l, const E
   return square;
 }
 
+bool Graph::is_at_pole(const GraphPixel& pixel) const {
+  constexpr double kNear = 0.05;                                              // [m]
+  const double steepest = models_.camera.fx / (kNear * models_.pixel_sigma);  // d residual / dr
+  if (pixel.z.here) return false;
+  return !pixel.valid || pixel.at.J_pose.leftCols<3>().norm() > steepest;
+}
+
 double Graph::linearise_birth(GraphLandmark& l) {
   BirthPrior& birth = l.birth;
   if (birth.kind == BirthPrior::Kind::kNone) return 0.0;

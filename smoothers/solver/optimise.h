@@ -30,6 +30,8 @@ class Optimiser {
   // or else not taken, unless points are fixed.
   void take_step(Graph& graph, const GraphCamera& camera);
 
+  bool takes_every_step() const { return rule_ == StepRule::kEvery; }
+
   // Of the last linearisation, without damping; its marginals are in the tangent spaces that the
   // last step led to.
   NormalEquations& equations() { return equations_; }

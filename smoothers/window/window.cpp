@@ -13,6 +13,9 @@ bool fixed_points(WindowLinearisation linearisation) {
   return linearisation != WindowLinearisation::kStandard;
 }
 
+// Solutions of a frame after which measurements at a pole are left out; more wait for the next.
+constexpr int kMostPoles = 3;
+
 }  // namespace
 
 std::shared_ptr<const Truth> truth_of(const Setup& setup, const WindowOptions& options) {
@@ -37,7 +40,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       truth_(truth_of(setup, options), graph_, cameras_),
       optimiser_(truth_ || options.iterations == 1 ? StepRule::kEvery : StepRule::kDescent),
       histories_(histories),
-      gate_threshold_(pixel_threshold(models.gate.probability)) {
+      threshold_given_others_(pixel_threshold(models.gate.given_others)) {
   if (options.solver == WindowSolver::kCeres && graph_.fixed_points()) {
     throw std::invalid_argument(
         "window.solver ceres minimises the cost: it needs window.linearisation standard");
@@ -115,6 +118,7 @@ void Window::update(const TrackRecords& /*records*/, std::span<const Observation
   }
   refresh_noises();
   solve();
+  for (int i = 0; i < kMostPoles && leave_out_poles(); ++i) solve();
   for (auto& [track, landmark] : landmarks_) landmark.is_entering = false;
   if (options_.retest) {
     note_refused(accepted);

@@ -25,7 +25,7 @@ std::shared_ptr<const Truth> truth_of(const Setup& setup, const WindowOptions& o
 class Window final : public Belief {
  public:
   // `histories`: told what happens to landmarks, or null.
-  // Throws std::invalid_argument for an unknown landmark model, linearisation or loss.
+  // Throws std::invalid_argument for an unknown landmark model or loss.
   Window(const Setup& setup, const ModelOptions& models, const WindowOptions& options,
          TrackHistories* histories = nullptr);
   Window(const Window&) = delete;  // its parts refer to its graph
@@ -90,6 +90,7 @@ class Window final : public Belief {
   // window_retest.cpp
   void note_refused(std::span<const Observation> accepted);
   void forget_refused(int track);
+  void forget_pixel(int track, VariableId position);
   bool retest();  // whether anything was let go or admitted
   void retest_held(const WindowLandmark& landmark);
   void retest_refused(const RefusedPixel& z);
@@ -107,6 +108,7 @@ class Window final : public Belief {
   WindowLandmark* insert_at(const WindowFrame& frame, const Observation& z,
                             const LandmarkPrior& prior, bool is_free);
   void solve();
+  bool leave_out_poles();  // whether there were any
   void refactorise();
   void estimate_camera();
   double refresh_noises();
@@ -149,7 +151,7 @@ class Window final : public Belief {
   TrackHistories* histories_;
 
   // With `window.retest`.
-  double gate_threshold_;
+  double threshold_given_others_;
   GivenOthers given_others_;
   std::vector<Observation> gated_;     // of the frame in hand
   std::vector<RefusedPixel> refused_;  // in the window, of landmarks that are there

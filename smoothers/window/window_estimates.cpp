@@ -25,6 +25,29 @@ void Window::solve() {
   Q_.setZero();
 }
 
+// Graph::is_at_pole(). Where every step is taken, none is held back by a pole.
+bool Window::leave_out_poles() {
+  if (optimiser_.takes_every_step()) return false;
+  bool any = false;
+  const auto leave_out = [&](const WindowLandmark& landmark, bool is_pruned) {
+    std::erase_if(graph_[landmark.id].pixels, [&](const GraphPixel& pixel) {
+      if (!graph_.is_at_pole(pixel)) return false;
+      if (!is_pruned) forget_pixel(landmark.track, pixel.position);
+      any = true;
+      return true;
+    });
+  };
+  for (const auto& [track, landmark] : landmarks_) leave_out(landmark, false);
+  for (const WindowLandmark& landmark : pruned_) leave_out(landmark, true);
+  return any;
+}
+
+// One that is in the graph no more.
+void Window::forget_pixel(int track, VariableId position) {
+  if (position == cameras_.newest().camera.position) std::erase(used_, track);
+  if (histories_) histories_->let_go(track, cameras_.find(position)->number);
+}
+
 // Where there was nothing to solve.
 void Window::refactorise() {
   graph_.linearise();

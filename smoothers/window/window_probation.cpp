@@ -76,7 +76,7 @@ void Window::find_refused(std::span<const Candidate> candidates, std::vector<int
   }
   const std::vector<double> nis = given_others_.nis(optimiser_.equations());
   for (std::size_t i = 0; i < nis.size(); ++i) {
-    if (!(nis[i] <= gate_threshold_)) refused.push_back(tested[i]);
+    if (!(nis[i] <= threshold_given_others_)) refused.push_back(tested[i]);
   }
   std::ranges::sort(refused);
   refused.erase(std::unique(refused.begin(), refused.end()), refused.end());

@@ -2,9 +2,9 @@
 // given all others, at an estimate that later frames have improved. One that fails is let go, one
 // that was refused and now passes enters.
 //
-// The NIS is that of given_others.h, the gate that of the frame loop. Of each landmark only the
-// worst is let go in a frame: an outlier makes its neighbours look wrong (Baarda's data snooping,
-// 1968). A first pixel stays: without it the landmark is not determined.
+// The NIS is that of given_others.h, the threshold that of `gate.given_others`. Of each landmark
+// only the worst is let go in a frame: an outlier makes its neighbours look wrong (Baarda's data
+// snooping, 1968). A first pixel stays: without it the landmark is not determined.
 #include <algorithm>
 
 #include "smoothers/window/window_belief.h"
@@ -40,10 +40,10 @@ bool Window::retest() {
     });
     if (first->is_held) {
       const auto worst = std::ranges::max_element(first, next, {}, &RetestedPixel::nis);
-      if (!(worst->nis <= gate_threshold_)) let_go(*worst);
+      if (!(worst->nis <= threshold_given_others_)) let_go(*worst);
     } else {
       std::for_each(first, next, [&](const RetestedPixel& z) {
-        if (z.nis <= gate_threshold_) admit(z);
+        if (z.nis <= threshold_given_others_) admit(z);
       });
     }
     first = next;
@@ -101,12 +101,10 @@ void Window::let_go(const RetestedPixel& z) {
   ++retest_counts_.let_go;
   std::erase_if(graph_[z.landmark].pixels,
                 [&](const GraphPixel& pixel) { return pixel.position == z.at.position; });
-  const bool is_newest = z.at.position == cameras_.newest().camera.position;
-  if (is_newest) std::erase(used_, z.at.track);
   const auto landmark = landmarks_.find(z.at.track);
   if (landmark == landmarks_.end() || landmark->second.id != z.landmark) return;  // pruned
+  forget_pixel(z.at.track, z.at.position);
   refused_.push_back(z.at);
-  if (histories_) histories_->let_go(z.at.track, cameras_.find(z.at.position)->number);
 }
 
 void Window::admit(const RetestedPixel& z) {

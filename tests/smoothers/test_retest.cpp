@@ -11,8 +11,8 @@ namespace {
 
 class WindowRun {
  public:
-  WindowRun(const Sequence& sequence, bool retest, double gate_probability = 0.95)
-      : run_(sequence, configuration(retest, gate_probability)) {}
+  WindowRun(const Sequence& sequence, bool retest, const GateOptions& gate = {})
+      : run_(sequence, configuration(retest, gate)) {}
 
   void process(const Frame& frame) { run_.process(frame); }
   void process_until(const Sequence& sequence, std::size_t end) {
@@ -31,11 +31,11 @@ class WindowRun {
   RetestCounts counts() const { return run_.window->retest_counts(); }
 
  private:
-  static Configuration configuration(bool retest, double gate_probability) {
+  static Configuration configuration(bool retest, const GateOptions& gate) {
     Configuration result;
     result.window.frames = 10;
     result.window.retest = retest;
-    result.model.gate = {gate_probability, 1.0};
+    result.model.gate = gate;
     return result;
   }
 
@@ -108,7 +108,7 @@ TEST(Retest, ACorrectMeasurementThatWasRefusedReturns) {
 
 TEST(Retest, WithAnOpenGateNothingChanges) {
   const Sequence sequence = clean(25);
-  WindowRun plain(sequence, false, 1.0 - 1e-15), retested(sequence, true, 1.0 - 1e-15);
+  WindowRun plain(sequence, false, {1.0, 1.0}), retested(sequence, true, {1.0, 1.0});
   for (const Frame& frame : sequence.frames) {
     plain.process(frame);
     retested.process(frame);
