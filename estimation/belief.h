@@ -54,7 +54,8 @@ class Belief {
   virtual void innovations(std::span<const Observation> measured, FrameInnovation& result) = 0;
 
   // After innovations(), which it leaves as they are: where these landmarks are expected, of those
-  // that are in view. For who draws: nothing of an estimate may depend on it.
+  // that are in view; S without the pixels' noise. For who draws: nothing of an estimate may depend
+  // on it.
   virtual void predict_pixels(std::span<const int> /*tracks*/, std::vector<Prediction>& result) {
     result.clear();
   }
@@ -98,8 +99,9 @@ class Belief {
   virtual bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) = 0;
 
   // Between predict() and innovations(): landmarks enter with pixels of past frames (probation.h).
-  // Those with a pixel that fails the gate given the others stay out and are named in `refused`.
-  // Only of a belief that keeps past poses.
+  // Those with a pixel that fails the gate given the others stay out and are named in `refused`: a
+  // filter asks given the pixels before it, a smoother given all. Only of a belief that keeps past
+  // poses.
   virtual void add_seen(std::span<const Candidate> /*candidates*/, std::vector<int>& /*refused*/) {
     throw std::invalid_argument("policy.probation above 1: this estimator keeps no past poses");
   }

@@ -104,6 +104,9 @@ struct Diverged : std::runtime_error {
 // Told when a stage of a frame begins; a stage ends when the next one begins or the frame ends.
 class StageListener {
  public:
+  // What is noted for pictures (keep_predictions()) is no part of the estimator's time.
+  static constexpr std::string_view kPredictions = "predictions";
+
   virtual ~StageListener() = default;
   virtual void begin(std::string_view stage) = 0;
 };

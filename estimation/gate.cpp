@@ -13,6 +13,9 @@ namespace {
 
 using Eigen::Index;
 
+// Fewer that agree may be those of one mover.
+constexpr std::size_t kQuorum = 5;
+
 Index row(std::size_t i) { return static_cast<Index>(2 * i); }
 
 double squared(const Eigen::Vector2d& nu, const Eigen::Matrix2d& S) {
@@ -86,7 +89,7 @@ void FrameGate::begin_with_majority(const FrameInnovation& frame) {
   set_.resize(frame.z.size());
   std::iota(set_.begin(), set_.end(), std::size_t{0});
   keep_those_that_agree_with_one(frame);
-  asks_alone_ = 2 * set_.size() <= frame.z.size();
+  asks_alone_ = set_.size() < kQuorum || 2 * set_.size() <= frame.z.size();
   if (asks_alone_) set_ = passing_;
 }
 

@@ -12,7 +12,8 @@
 //
 // A camera that moves as one frame in twenty has it takes all its points beyond a quantile of 95%
 // at once. So where fewer than half pass on their own and agree, it is asked which agree with one
-// whether or not they pass. If these are the majority, none is judged on its own in this frame.
+// whether or not they pass. If these are the majority, and at least five, none is judged on its own
+// in this frame.
 #pragma once
 
 #include <Eigen/Core>

@@ -12,7 +12,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
     : setup_(setup),
       options_(options),
       condition_(models.collapse == Collapse::kCondition),
-      gate_threshold_(pixel_threshold(models.gate.probability)),
+      threshold_given_others_(pixel_threshold(models.gate.given_others)),
       functions_(find_landmark(models.landmark, models.point)),
       memory_(options.delayed ? 0 : motion_memory(models, functions_)),
       linearisation_(options, functions_, setup.truth) {
@@ -93,10 +93,9 @@ void Ekf::innovations(std::span<const Observation> measured, FrameInnovation& re
 
 void Ekf::predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) {
   state_.correct_passive();
-  const double variance = setup_.pixel_sigma * setup_.pixel_sigma;
   result.clear();
   for (const int track : tracks) {
-    const auto expected = predict_pixel(state_, linearisation_, setup_.camera, variance, track);
+    const auto expected = predict_pixel(state_, linearisation_, setup_.camera, track);
     if (expected) result.push_back(*expected);
   }
 }

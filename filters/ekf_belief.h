@@ -65,7 +65,7 @@ class Ekf final : public Belief {
   Setup setup_;
   EkfOptions options_;
   bool condition_;  // on collapse, w = 0 is used
-  double gate_threshold_;
+  double threshold_given_others_;
   const LandmarkFunctions& functions_;
   int memory_;  // frames for which the motion of a static landmark is remembered
   JointState state_;

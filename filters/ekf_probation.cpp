@@ -32,7 +32,8 @@ bool Ekf::add_seen(const Candidate& candidate) {
   return true;
 }
 
-// The update of one measurement from a past pose. False when it fails the gate.
+// The update of one measurement from a past pose. False when it fails the gate given the others,
+// which for a filter are those before it.
 bool Ekf::use_past(int track, const FilterPose& pose, const Eigen::Vector2d& pixel) {
   const FilterLandmark& landmark = state_.landmarks.at(track);
   const FilterAnchor& anchor = state_.anchors.at(landmark.anchor);
@@ -54,7 +55,7 @@ bool Ekf::use_past(int track, const FilterPose& pose, const Eigen::Vector2d& pix
     throw Diverged("the innovation covariance is not positive definite");
   }
   const Eigen::Vector2d whitened = L.matrixL().solve(pixel - h->pixel);
-  if (!(whitened.squaredNorm() <= gate_threshold_)) return false;
+  if (!(whitened.squaredNorm() <= threshold_given_others_)) return false;
   Eigen::MatrixXd W = P_Ht;
   L.matrixU().solveInPlace<Eigen::OnTheRight>(W);
   const Eigen::VectorXd dx = W * whitened;

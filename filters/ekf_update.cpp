@@ -176,7 +176,7 @@ void linearise(const JointState& state, const Linearisation& linearisation, cons
 }
 
 std::optional<Prediction> predict_pixel(const JointState& state, const Linearisation& linearisation,
-                                        const Camera& camera, double pixel_variance, int track) {
+                                        const Camera& camera, int track) {
   const auto h = linearised(state, linearisation, camera, track);
   if (!h) return std::nullopt;
   const FilterLandmark& landmark = state.landmarks.at(track);
@@ -185,12 +185,12 @@ std::optional<Prediction> predict_pixel(const JointState& state, const Linearisa
   Eigen::Matrix<double, 2, 12> H;
   H << h->J_pose, h->J_anchor, h->J_y;
   const Matrix12d P = state.marginal(blocks);
-  Eigen::Matrix2d S = H * P * H.transpose();
+  Eigen::Matrix2d HPHt = H * P * H.transpose();
   if (has_second_order(linearisation, landmark)) {
     constexpr int kPlaces[] = {0, 1, 2, 6, 7, 8, 9, 10, 11};  // of r, a, y
-    S += second_order_noise(linearisation.point(), landmark.y, P(kPlaces, kPlaces), *h);
+    HPHt += second_order_noise(linearisation.point(), landmark.y, P(kPlaces, kPlaces), *h);
   }
-  return Prediction{track, h->pixel, S + pixel_variance * Eigen::Matrix2d::Identity()};
+  return Prediction{track, h->pixel, HPHt};
 }
 
 // The camera's part of all matches in one product, then each landmark's.

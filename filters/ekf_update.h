@@ -29,9 +29,9 @@ struct Innovation {
 void linearise(const JointState& state, const Linearisation& linearisation, const Camera& camera,
                std::span<const Observation> matches, Innovation& result);
 
-// Where a landmark is expected, with S; nothing where it is not expected in view.
+// Where a landmark is expected, with H P H' + N; nothing where it is not expected in view.
 std::optional<Prediction> predict_pixel(const JointState& state, const Linearisation& linearisation,
-                                        const Camera& camera, double pixel_variance, int track);
+                                        const Camera& camera, int track);
 
 // H P H' + N of all matches, its lower triangle.
 void fill_HPHt(const JointState& state, Innovation& innovation, GrowingMatrix& result);

@@ -33,7 +33,7 @@ namespace slammot {
 
 class Linearisation {
  public:
-  // Throws std::invalid_argument for an unknown name, or `ideal` without a truth.
+  // Throws std::invalid_argument for `ideal` without a truth.
   Linearisation(const EkfOptions& options, const LandmarkFunctions& landmark,
                 std::shared_ptr<const Truth> truth);
 

@@ -85,7 +85,7 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   gate(frame, dt, report);
 
   if (keeps_predictions_) {
-    stages.begin("predictions");
+    stages.begin(StageListener::kPredictions);
     note_predictions(report);
   }
 
@@ -182,6 +182,7 @@ void FrameLoop::note_predictions(FrameReport& report) {
   }
   std::vector<Prediction> expected;
   belief_->predict_pixels(others, expected);
+  for (Prediction& p : expected) p.S.diagonal().array() += setup_.pixel_sigma * setup_.pixel_sigma;
   std::ranges::copy_if(expected, std::back_inserter(report.predictions),
                        [&](const Prediction& p) { return setup_.camera.in_image(p.pixel); });
   std::erase_if(report.predictions, [](const Prediction& p) { return !p.S.allFinite(); });

@@ -24,10 +24,15 @@ class StageClock : public StageListener {
     stages_.emplace_back(stage, 0.0);
   }
 
-  // The stages in the order of their first beginning, then `total`: the whole frame. [ms]
+  // The stages in the order of their first beginning, then `total`: the whole frame but
+  // kPredictions. [ms]
   std::vector<std::pair<std::string, double>> finish() {
     close_stage();
-    stages_.emplace_back("total", milliseconds(frame_start_, stage_start_));
+    double total = milliseconds(frame_start_, stage_start_);
+    for (const auto& [stage, time] : stages_) {
+      if (stage == kPredictions) total -= time;
+    }
+    stages_.emplace_back("total", total);
     return std::move(stages_);
   }
 

@@ -1,12 +1,14 @@
 #include "models/points/initialisation.h"
 
+#include "models/points/observation.h"
+
 namespace slammot {
 
 std::optional<NewLandmark> initialise(const Camera& camera, const PointFunctions& point,
                                       const Eigen::Quaterniond& R, const Eigen::Vector2d& pixel,
                                       double inverse_depth) {
   const auto bearing = camera.unproject(pixel);
-  if (!bearing) return std::nullopt;
+  if (!bearing || is_grazing(bearing->ray)) return std::nullopt;
   const Eigen::Vector3d g = R * bearing->ray;
   if (!point.exists(g, inverse_depth)) return std::nullopt;
   const Matrix34d J_y = point.of_jacobian(g, inverse_depth);

@@ -19,7 +19,8 @@ struct NewLandmark {
   Eigen::Vector3d J_inverse_depth;
 };
 
-// Nothing when the lens has no ray for the pixel, or the parametrisation no y for the ray.
+// Nothing when the lens has no ray for the pixel, or a grazing one (observation.h), or the
+// parametrisation no y for the ray.
 std::optional<NewLandmark> initialise(const Camera& camera, const PointFunctions& point,
                                       const Eigen::Quaterniond& R, const Eigen::Vector2d& pixel,
                                       double inverse_depth);

@@ -9,14 +9,17 @@ constexpr double kGrazing = 0.05;  // cosine to the optical axis: 87 degrees
 
 }  // namespace
 
+bool is_grazing(const Eigen::Vector3d& ray_camera) {
+  return ray_camera.z() < kGrazing * ray_camera.norm();
+}
+
 std::optional<ObservedPixel> observe(const Camera& camera, const PointFunctions& point,
                                      const Eigen::Vector3d& r, const Eigen::Quaterniond& R,
                                      const Eigen::Vector3d& anchor, const Eigen::Vector3d& y) {
   const PointRay from_anchor = point.ray(y);
   const double rho = from_anchor.inverse_depth;
   const Eigen::Vector3d ray = ray_camera(r, R, anchor, from_anchor.direction, rho);
-  const double length = ray.norm();
-  if (length < kNearest * rho || ray.z() < kGrazing * length) return std::nullopt;
+  if (ray.norm() < kNearest * rho || is_grazing(ray)) return std::nullopt;
   const auto projection = camera.project(ray);
   if (!projection) return std::nullopt;
   ObservedPixel z;
@@ -44,9 +47,11 @@ std::optional<ObservedPixel> expect(const Camera& camera, const PointFunctions& 
 
 bool in_view(const Camera& camera, const PointFunctions& point, const Eigen::Vector3d& r,
              const Eigen::Quaterniond& R, const Eigen::Vector3d& anchor, const Eigen::Vector3d& y) {
-  const PointRay ray = point.ray(y);
-  const auto projection =
-      camera.project(ray_camera(r, R, anchor, ray.direction, ray.inverse_depth));
+  const PointRay from_anchor = point.ray(y);
+  const Eigen::Vector3d ray =
+      ray_camera(r, R, anchor, from_anchor.direction, from_anchor.inverse_depth);
+  if (is_grazing(ray)) return false;
+  const auto projection = camera.project(ray);
   return projection && camera.in_image(projection->pixel);
 }
 

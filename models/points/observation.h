@@ -21,10 +21,13 @@ struct ObservedPixel {
   Matrix23d J_world;  // with respect to the ray in W
 };
 
-// Nothing when the landmark lies behind the camera, or within a centimetre of it: at the camera
-// itself every pixel costs nothing, and a smoother would be drawn into that pole. Nor near the
-// camera's plane, another pole, which no camera that this program knows has in its image: what a
-// Jacobian of 10^9 px m is eliminated from loses all its digits.
+// Whether a ray is within 3 degrees of the camera's plane, or behind it. There h has a pole: what a
+// Jacobian of 10^9 px m is eliminated from loses all its digits. Pixels that far out, which a
+// fisheye may have in its corners, make no landmark and are not used.
+bool is_grazing(const Eigen::Vector3d& ray_camera);
+
+// Nothing when the landmark is_grazing(), or within a centimetre of the camera: there every pixel
+// costs nothing, and a smoother would be drawn into that pole.
 std::optional<ObservedPixel> observe(const Camera& camera, const PointFunctions& point,
                                      const Eigen::Vector3d& r, const Eigen::Quaterniond& R,
                                      const Eigen::Vector3d& anchor, const Eigen::Vector3d& y);

@@ -24,13 +24,12 @@ void Window::innovations(std::span<const Observation> measured, FrameInnovation&
 }
 
 void Window::predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) {
-  const double variance = setup_.pixel_sigma * setup_.pixel_sigma;
   result.clear();
   prepare(tracks);
   for (const int track : tracks) {
     const auto pixel = expected({track, Eigen::Vector2d::Zero()});
     if (!pixel) continue;
-    result.push_back({track, -pixel->nu, pixel->HPHt + variance * Eigen::Matrix2d::Identity()});
+    result.push_back({track, -pixel->nu, pixel->HPHt});
   }
 }
 

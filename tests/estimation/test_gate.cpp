@@ -87,6 +87,17 @@ TEST(FrameGate, BelievesMostOfAFrameAgainstItsPrediction) {
   for (std::size_t i = kOutliers; i < kAll; ++i) EXPECT_TRUE(gate.accepts_alone(i)) << i;
 }
 
+// One always agrees with itself, and the points of one mover agree with each other.
+TEST(FrameGate, AMajorityOfFewDoesNotDecide) {
+  for (std::size_t n = 1; n <= 5; ++n) {
+    World world(n, 13.0, 0.5, 7);
+    for (Eigen::Vector2d& nu : world.frame.nu) nu = {39.0, 39.0};
+    FrameGate gate({0.95, 0.999}, 1.0);
+    gate.sort(world.frame);
+    EXPECT_EQ(accepted(gate, n), n < 5 ? 0 : 5) << n;
+  }
+}
+
 // Without a majority each is judged on its own, as before.
 TEST(FrameGate, DoesNotBelieveAMinority) {
   constexpr std::size_t kAll = 30;

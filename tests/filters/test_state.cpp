@@ -147,8 +147,8 @@ TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
     const bool is_static = i < 3;
     EXPECT_EQ(z.second_order[static_cast<std::size_t>(i)].norm() > 0.0, is_static);
     const Eigen::Matrix2d S = (*HPHt).block<2, 2>(2 * i, 2 * i).selfadjointView<Eigen::Lower>();
-    const auto shown = predict_pixel(state, second, pinhole(), 0.0, i);
-    const auto without = predict_pixel(state, kStandard, pinhole(), 0.0, i);
+    const auto shown = predict_pixel(state, second, pinhole(), i);
+    const auto without = predict_pixel(state, kStandard, pinhole(), i);
     ASSERT_TRUE(shown && without);
     EXPECT_LT((shown->S - S).norm(), 1e-12 * S.norm());
     EXPECT_EQ((shown->S - without->S).norm() > 0.0, is_static);
