@@ -59,9 +59,10 @@ std::string noise_text(const TrackedImages& tracked) {
                        tracked.sequence.pixel_sigma);
   }
   return fmt::format(
-      "{:.4g} px, q75 of the Sampson distance to a fundamental matrix / 1.150, median over {} "
+      "{:.4g} px as stated; measured {:.4g} px, q75 of the Sampson distance to a fundamental "
+      "matrix / 1.150, median over {} "
       "pairs of frames {} apart",
-      tracked.noise->sigma, tracked.noise->pairs, tracked.noise->lag);
+      tracked.sequence.pixel_sigma, tracked.noise->sigma, tracked.noise->pairs, tracked.noise->lag);
 }
 
 // The first true camera. Nothing is made of a truth that is not there.

@@ -58,7 +58,7 @@ int draw_run(const Path& run, const Sequence& sequence, const Path& output,
 }
 
 int draw_figures(const Path& run, const Sequence& sequence, const Path& output,
-                 const std::vector<int>& frames) {
+                 const std::vector<int>& frames) try {
   const RunPictures pictures = pictures_of(run, sequence);
   std::vector<RunFrame> drawn;
   for (const int frame : frames) {
@@ -74,6 +74,8 @@ int draw_figures(const Path& run, const Sequence& sequence, const Path& output,
     fmt::print("{}\n", Path(data).replace_extension(".pdf").string());
   }
   return 0;
+} catch (const cv::Exception& error) {
+  throw std::runtime_error(fmt::format("OpenCV: {}", error.err));
 }
 
 }  // namespace slammot

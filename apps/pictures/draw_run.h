@@ -9,9 +9,9 @@
 
 namespace slammot {
 
-// Writes a film to `output`, see frontend/film.h, and returns of how many pictures. Throws
-// InputError as RunPictures does, or if an image cannot be used. A run without predictions.csv is
-// drawn without ellipses, with a note on stderr.
+// Writes a film to `output`, see frontend/rendering/film.h, and returns of how many pictures.
+// Throws InputError as RunPictures does, or if an image cannot be used. A run without
+// predictions.csv is drawn without ellipses, with a note on stderr.
 int draw_run(const std::filesystem::path& run, const Sequence& sequence,
              const std::filesystem::path& output,
              const std::function<void(int done, int total)>& progress);

@@ -180,7 +180,9 @@ std::vector<ConfigurationKey> model_keys() {
                                "landmarks of the first frame: decided together (odds), static by "
                                "rule (thesis 4.2), or unknown as later ones are",
                                listed(kFirstFrameLabels), SLAMMOT_FIELD(model.labels.first_frame)),
-      number("labels.start", "odds: frames after which the first frame's labels are decided",
+      number("labels.start",
+             "odds: frames after which the first frame's labels are decided; below "
+             "labels.sightings all are static",
              kPositive, SLAMMOT_FIELD(model.labels.start)),
       number("labels.start_over",
              "odds: frames in which a rejected label of the first frame starts the run over",

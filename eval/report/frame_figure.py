@@ -71,7 +71,7 @@ def draw_image(axis, frame):
         image = matplotlib.image.imread(frame["image"])
     except (OSError, ValueError) as error:
         raise BadInput(f"{frame['image']}: {error}") from error
-    axis.imshow(image, cmap="gray", interpolation="nearest")
+    axis.imshow(image, cmap="gray", vmin=0, vmax=255 if image.dtype.kind == "u" else 1, interpolation="nearest")
     for measured in MEASURED:
         cross(axis, [z["pixel"] for z in frame["measurements"] if z["measured"] == measured], measured)
     for p in frame["predictions"]:

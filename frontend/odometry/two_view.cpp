@@ -10,9 +10,9 @@
 namespace slammot {
 namespace {
 
-constexpr double kRansacCut = 1.0;    // [sigma] Sampson distance: half a pixel is stated of 0.1 px
-constexpr double kCut = 2.5;          // the same of an inlier
-constexpr double kLeastScale = 0.05;  // of the stated sigma; images without noise have none
+constexpr double kRansacCut = 1.0;        // [sigma] Sampson distance
+constexpr double kCut = 2.5;              // the same of an inlier
+constexpr double kLeastScale = 0.05;      // of the stated sigma; images without noise have none
 constexpr double kNormalMedian = 1.4826;  // sigma over the median of |d|
 constexpr double kConfidence = 0.999;     // of RANSAC
 constexpr int kRounds = 4;                // of finding the inliers anew ...
@@ -50,7 +50,8 @@ void find_inliers(const RayMatches& m, double sigma, TwoView& pose) {
   }
 }
 
-// What the inliers' distances show, at most the stated one: that is often stated with caution.
+// What the inliers' distances show, at most the stated one: more is stated than there is where the
+// images are good.
 double shown_sigma(const RayMatches& m, const TwoView& pose, double stated) {
   const std::vector<double> all = distances(m, pose);
   std::vector<double> d;

@@ -81,8 +81,8 @@ std::vector<RoomBox> person(const Eigen::Vector3d& foot, std::uint32_t texture) 
   return boxes;
 }
 
-// Across the view from one side to the other. It is in the room from before it comes into view
-// until it has left it: behind the camera nobody sees it.
+// Across the view from one side to the other, from wall to wall: what is beyond the walls nobody
+// sees.
 std::vector<RoomBox> passage(const RoomOptions& options, int k, RandomStream& random) {
   const double middle = kPassages[k % 3] * duration(options);
   const CameraState camera = on_ellipse(middle, kLap * duration(options));
@@ -91,8 +91,7 @@ std::vector<RoomBox> passage(const RoomOptions& options, int k, RandomStream& ra
   const Eigen::Vector3d velocity = camera.orientation * Eigen::Vector3d(side * speed, 0.0, 0.0);
   Eigen::Vector3d foot = camera.position + camera.orientation * Eigen::Vector3d(0.0, 0.0, distance);
   foot.y() = kFloor;
-  const double edge = distance * std::tan(options.field_of_view_deg / 360.0 * std::numbers::pi);
-  const double half = (edge + 0.6) / speed;
+  const double half = kWidth / speed;
   std::vector<RoomBox> boxes =
       person(foot - velocity * middle, static_cast<std::uint32_t>(100 + 10 * k));
   for (RoomBox& box : boxes) {

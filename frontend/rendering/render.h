@@ -9,8 +9,9 @@
 
 namespace slammot {
 
-// The image of a frame, 8-bit grey: four rays a pixel, mean over the exposure (which ends half its
-// length after the frame's time), blur and noise. The same bytes for any number of threads.
+// The image of a frame, 8-bit grey: RoomOptions::samples squared rays a pixel, mean over the
+// exposure (which ends half its length after the frame's time), blur and noise. The same bytes for
+// any number of threads.
 cv::Mat render(const Room& room, const RoomOptions& options, std::uint64_t seed, int frame);
 
 // Camera, frames, images, true poses, and what the maker states: first camera, motion noise, and

@@ -47,7 +47,8 @@ class LatestSequences {
   }
 
  private:
-  static constexpr std::size_t kMost = 64;
+  // A study takes all cells of a seed in turn: about as many seeds as jobs are in hand.
+  static constexpr std::size_t kMost = 8;
   struct Kept {
     std::string key;
     std::shared_future<Sequence> sequence;

@@ -77,7 +77,7 @@ StoredRoom read_room_file(const std::filesystem::path& file) {
   }
   map.finish();
   try {
-    apply(values, "room", table);
+    apply(values, name_of(stored.options.scene), table);
   } catch (const std::invalid_argument& error) {
     throw InputError(file, 0, error.what());
   }

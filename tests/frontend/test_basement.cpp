@@ -42,19 +42,20 @@ TEST(Basement, TheLoopIsClosedAndPassesItsStart) {
   EXPECT_GT((room.camera_at(60.0).position - start.position).norm(), 4.0);
 }
 
-// Rays through the pixels of a coarse grid that meet a body.
-int rays_on_person(const Room& room, const RoomOptions& options, int frame) {
+// Pixels of a coarse grid whose rays meet a body.
+std::vector<Eigen::Vector2d> pixels_on_person(const Room& room, const RoomOptions& options,
+                                              int frame) {
   const Camera camera = room.camera();
   const double time = frame / options.rate;
   const CameraState at = room.camera_at(time);
-  int count = 0;
+  std::vector<Eigen::Vector2d> pixels;
   for (int v = 4; v < camera.height; v += 8) {
     for (int u = 4; u < camera.width; u += 8) {
       const Eigen::Vector3d ray = at.orientation * camera.unproject(Eigen::Vector2d(u, v))->ray;
-      count += room.cast(at.position, ray, time).box->moves() ? 1 : 0;
+      if (room.cast(at.position, ray, time).box->moves()) pixels.emplace_back(u, v);
     }
   }
-  return count;
+  return pixels;
 }
 
 TEST(Basement, ThePersonPassesThreeTimes) {
@@ -64,13 +65,32 @@ TEST(Basement, ThePersonPassesThreeTimes) {
     int passages = 0;
     bool was_seen = false;
     for (int frame = 0; frame < options.frames; frame += 6) {
-      const bool is_seen = rays_on_person(room, options, frame) > 0;
+      const bool is_seen = !pixels_on_person(room, options, frame).empty();
       passages += is_seen && !was_seen ? 1 : 0;
       was_seen = is_seen;
     }
     EXPECT_EQ(passages, 3) << seed;
     for (const int frame : {330, 950, 1350}) {
-      EXPECT_GT(rays_on_person(room, options, frame), 50) << seed << ", " << frame;
+      EXPECT_GT(pixels_on_person(room, options, frame).size(), 50u) << seed << ", " << frame;
+    }
+  }
+}
+
+// It comes into view at the image's edge, and leaves there.
+TEST(Basement, ThePersonWalksIntoTheImage) {
+  const RoomOptions options = basement_options();
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Room room(options, seed);
+    const double middle = room.camera().width / 2.0;
+    std::vector<Eigen::Vector2d> before;
+    for (int frame = 0; frame < options.frames; ++frame) {
+      std::vector<Eigen::Vector2d> now = pixels_on_person(room, options, frame);
+      if (before.empty() != now.empty()) {
+        for (const Eigen::Vector2d& pixel : now.empty() ? before : now) {
+          EXPECT_GT(std::abs(pixel.x() - middle), 0.8 * middle) << seed << ", frame " << frame;
+        }
+      }
+      before = std::move(now);
     }
   }
 }
