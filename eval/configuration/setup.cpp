@@ -38,9 +38,9 @@ MotionNoise motion_noise(const Sequence& sequence, const MotionConfiguration& ov
 
 constexpr double kUnknownMean = 1.0;  // [1/m], of a scene of which nothing is stated
 
-// A scene of which nothing is stated but landmarks known beforehand: it is about as far away as
-// those that the first frame measures, if they are nearer than the guess: with a guess that is too
-// far the first flow is taken for a rotation.
+// A scene of which nothing is stated but landmarks known beforehand is about as far away as those
+// that the first frame measures. With a guess that is too far the first flow is taken for a
+// rotation, with one that is too near the EKF believes what it should not.
 std::optional<double> inverse_depth_of_known(const Sequence& sequence, const CameraState& camera) {
   if (sequence.frames.empty()) return std::nullopt;
   double sum = 0.0;
@@ -59,10 +59,12 @@ std::optional<double> inverse_depth_of_known(const Sequence& sequence, const Cam
 }
 
 // How well rho0 is known: exactly, where it is all that holds the scale. A mean that is learnt is
-// known to half of itself where it is stated, and hardly at all where it is not.
-double mean_sigma(const LandmarkPrior& stated, bool learns, bool depths_are_stated) {
+// known to half of itself where it is stated, to itself where known landmarks tell it, and hardly
+// at all where nothing does.
+double mean_sigma(const LandmarkPrior& stated, bool learns, bool is_given, bool is_of_known) {
   if (!learns) return 0.0;
-  if (!depths_are_stated) return kUnknownMean;
+  if (is_of_known) return stated.inverse_depth;
+  if (!is_given) return kUnknownMean;
   return stated.mean_sigma > 0.0 ? stated.mean_sigma : 0.5 * stated.inverse_depth;
 }
 
@@ -72,18 +74,16 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& came
   LandmarkPrior prior = sequence.prior.value_or(LandmarkPrior{});
   const bool is_given = sequence.prior || overrides.inverse_depth;
   const auto of_known = is_given ? std::nullopt : inverse_depth_of_known(sequence, camera.state);
-  const bool is_near = of_known && *of_known > prior.inverse_depth;
-  if (is_near) {
-    prior.inverse_depth_sigma *= *of_known / prior.inverse_depth;
-    prior.inverse_depth = *of_known;
+  if (of_known) {
+    prior.inverse_depth = prior.inverse_depth_sigma = *of_known;
   }
   prior.inverse_depth = overrides.inverse_depth.value_or(prior.inverse_depth);
   prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
   const bool learns =
       learns_depths(configuration.model.depth_prior, camera, !sequence.known.empty());
-  const bool depths_are_stated = is_given || is_near;
   const bool depths_are_known = is_given && prior.mean_sigma == 0.0;
-  prior.mean_sigma = overrides.mean_sigma.value_or(mean_sigma(prior, learns, depths_are_stated));
+  prior.mean_sigma =
+      overrides.mean_sigma.value_or(mean_sigma(prior, learns, is_given, of_known.has_value()));
   prior.spread_follows_mean = overrides.spread == PriorSpread::kAuto
                                   ? prior.mean_sigma > 0.0 && !depths_are_known
                                   : overrides.spread == PriorSpread::kRelative;

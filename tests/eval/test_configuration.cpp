@@ -195,7 +195,7 @@ TEST(MakeSetup, DepthsAreLearntWhereALandmarkIsKnown) {
 }
 
 // Where no depths are stated, those of known landmarks in view of the first frame are, if near.
-TEST(MakeSetup, AKnownLandmarkTellsHowNearTheSceneIs) {
+TEST(MakeSetup, KnownLandmarksTellHowFarAwayTheSceneIs) {
   Sequence sequence = test::straight_line(2);
   const Eigen::Vector3d camera = sequence.truth[0]->position;
   sequence.known = {{7, camera + 2.0 * Eigen::Vector3d::UnitZ(), 0.01},
@@ -208,8 +208,8 @@ TEST(MakeSetup, AKnownLandmarkTellsHowNearTheSceneIs) {
   EXPECT_EQ(prior().mean_sigma, 1.0);
   sequence.frames[0].observations = {{7, {1.0, 2.0}}, {8, {3.0, 4.0}}, {9, {5.0, 6.0}}};
   EXPECT_DOUBLE_EQ(prior().inverse_depth, 0.75);
-  EXPECT_DOUBLE_EQ(prior().inverse_depth_sigma, 0.375);
-  EXPECT_DOUBLE_EQ(prior().mean_sigma, 0.375);
+  EXPECT_DOUBLE_EQ(prior().inverse_depth_sigma, 0.75);
+  EXPECT_DOUBLE_EQ(prior().mean_sigma, 0.75);
   EXPECT_TRUE(prior().spread_follows_mean);
   Configuration configuration;
   configuration.prior.inverse_depth = 0.1;
@@ -220,8 +220,8 @@ TEST(MakeSetup, AKnownLandmarkTellsHowNearTheSceneIs) {
   EXPECT_EQ(prior().inverse_depth, guess.inverse_depth);
   sequence.prior.reset();
   sequence.known = {{7, camera + 5.0 * Eigen::Vector3d::UnitZ(), 0.01}};
-  EXPECT_EQ(prior().inverse_depth, guess.inverse_depth);  // far
-  EXPECT_EQ(prior().mean_sigma, 1.0);
+  EXPECT_DOUBLE_EQ(prior().inverse_depth, 0.2);  // far
+  EXPECT_DOUBLE_EQ(prior().mean_sigma, 0.2);
 }
 
 // A sequence that states depths knows their spread and half knows their mean; one that states a
