@@ -144,8 +144,10 @@ double Batch::refresh_noises() {
 void Batch::solve() {
   int left = kMaxIterations, waited = -1;
   for (;;) {
-    const auto [waiting, iterations] = solve_with_ceres(graph_, left);
-    if (refresh_noises() <= kNegligibleNoise && (waiting == 0 || waiting == waited)) return;
+    const auto [waiting, iterations, has_converged] = solve_with_ceres(graph_, left);
+    if (has_converged && refresh_noises() <= kNegligibleNoise &&
+        (waiting == 0 || waiting == waited))
+      return;
     leave_out_poles();
     waited = waiting;
     left -= iterations;

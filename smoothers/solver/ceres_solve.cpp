@@ -146,10 +146,9 @@ CeresSolution solve_with_ceres(Graph& graph, int max_iterations, double function
   const CeresProblem built = ceres_problem(graph);
   ceres::Solver::Summary summary;
   ceres::Solve(solver_options(max_iterations, function_tolerance), built.problem.get(), &summary);
-  if (summary.termination_type != ceres::CONVERGENCE) {
-    throw Diverged("no solution: " + summary.message);
-  }
-  return {built.waiting, static_cast<int>(summary.iterations.size())};
+  if (!summary.IsSolutionUsable()) throw Diverged("no solution: " + summary.message);
+  return {built.waiting, static_cast<int>(summary.iterations.size()),
+          summary.termination_type == ceres::CONVERGENCE};
 }
 
 }  // namespace slammot

@@ -19,12 +19,12 @@ CeresProblem ceres_problem(Graph& graph);
 struct CeresSolution {
   int waiting = 0;
   int iterations = 0;
+  bool has_converged = false;
 };
 
-// Brings the active variables to a minimum of the cost. Throws Diverged when Ceres does not
-// converge within `max_iterations`: until a step lowers the cost by less than
-// `function_tolerance` of it, or changes nothing. One thread, so that the result is always the
-// same.
+// Lowers the cost until a step lowers it by less than `function_tolerance` of it or changes
+// nothing, or for `max_iterations`. Throws Diverged when Ceres fails. One thread, so that the
+// result is always the same.
 CeresSolution solve_with_ceres(Graph& graph, int max_iterations, double function_tolerance = 1e-14);
 
 }  // namespace slammot

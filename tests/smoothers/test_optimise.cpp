@@ -74,7 +74,7 @@ TEST(Optimise, CovariancesAreThoseOfCeres) {
 
 TEST(Optimise, CeresEndsWhereItWasAllowedTo) {
   Scene scene(17);
-  EXPECT_THROW(solve_with_ceres(scene.graph, 1), Diverged);
+  EXPECT_FALSE(solve_with_ceres(scene.graph, 1).has_converged);
   EXPECT_GT(solve_with_ceres(scene.graph, 200).iterations, 1);
 }
 
