@@ -51,13 +51,22 @@ double log_tail(const TrackRecord& record) {
                              static_cast<int>(nis.size()));
 }
 
+void note_depth(TrackRecord& record, const SeenDepth& depth, const LabelOptions& options) {
+  constexpr double kBehind = 5.0;  // [sigma]
+  if (!reversible(options) || record.known) return;
+  record.is_behind = depth.inverse_depth < -kBehind * depth.sigma;
+}
+
 bool is_rejected(const TrackRecord& record, const LabelOptions& options) {
+  if (record.is_behind) return true;
   if (record.static_nis.size() < 2) return false;  // a single outlier is the gate's business
   return log_tail(record) < std::log(options.probability);
 }
 
 void note_reverted(TrackRecord& record) {
   record.label = Label::kUnknown;
+  record.cannot_rest = record.cannot_rest || record.is_behind;
+  record.is_behind = false;
   record.decision_frame.reset();
   record.rejected_in_row = 0;
   record.static_nis.clear();

@@ -6,6 +6,7 @@
 // point that is kept as static bends the whole map until it is pruned.
 #pragma once
 
+#include "estimation/depth_prior.h"
 #include "estimation/options.h"
 #include "estimation/track_policy.h"
 #include "models/camera.h"
@@ -40,7 +41,11 @@ double moved_px(const TrackRecord& record, const Camera& camera, double dt);
 // as they are: each NIS is chi-square(2), and their sum over n frames chi-square(2n).
 double log_tail(const TrackRecord& record);
 
-// Whether they reject that it is static.
+// Of a static landmark, as believed now. What keeps pace with the camera looks like a point far
+// away, or beyond infinity: a negative inverse depth, which nothing at rest has.
+void note_depth(TrackRecord& record, const SeenDepth& depth, const LabelOptions& options);
+
+// Whether innovations or depth reject that it is static.
 bool is_rejected(const TrackRecord& record, const LabelOptions& options);
 
 // Static no more: unknown, as at its birth.

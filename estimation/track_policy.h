@@ -20,10 +20,12 @@ struct TrackRecord {
   int last_frame = 0;
   std::optional<int> decision_frame;
   int observations = 0;
-  int unused_frames = 0;           // frames since the newest accepted measurement
-  int rejected_in_row = 0;         // measurements rejected since then
-  int missed = 0;                  // frames since then in which it was predicted in view
-  LandmarkPrior prior;             // what was stated of it at its birth
+  int unused_frames = 0;     // frames since the newest accepted measurement
+  int rejected_in_row = 0;   // measurements rejected since then
+  int missed = 0;            // frames since then in which it was predicted in view
+  LandmarkPrior prior;       // what was stated of it at its birth
+  bool is_behind = false;    // static, and then it would be behind the camera (label_policy.h)
+  bool cannot_rest = false;  // it once was, so that it is not static again
   std::vector<double> static_nis;  // of its latest measurements while static (label_policy.h)
   std::vector<double> classifier_memory;  // see ClassifierMemory (classification.h)
 };

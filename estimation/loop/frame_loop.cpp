@@ -99,7 +99,7 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
     manager_->note_innovations(given_others_);
     manager_->note_innovations(rejected_);
   }
-  manager_->learn_depths(accepted_, *belief_);
+  manager_->look_at_depths(accepted_, *belief_);
 
   stages.begin("classify");
   manager_->record(frame.index, accepted_, unused_);

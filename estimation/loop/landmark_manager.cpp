@@ -71,16 +71,18 @@ void LandmarkManager::note_innovations(std::span<const LeaveOneOut> innovations)
   }
 }
 
-// From the landmarks that were static before this frame's labels: the marginals are those of the
+// Of the landmarks that were static before this frame's labels: the marginals are those of the
 // update.
-void LandmarkManager::learn_depths(std::span<const Observation> accepted, Belief& belief) {
-  if (!depth_prior_.learns()) return;
+void LandmarkManager::look_at_depths(std::span<const Observation> accepted, Belief& belief) {
   tracks_.clear();
   for (const Observation& z : accepted) {
     if (records_.at(z.track).label == Label::kStatic) tracks_.push_back(z.track);
   }
   belief.inverse_depths(tracks_, depths_);
-  depth_prior_.learn(depths_);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    note_depth(records_.at(tracks_[i]), depths_[i], models_.labels);
+  }
+  if (depth_prior_.learns()) depth_prior_.learn(depths_);
 }
 
 // Thesis 3.1.3, for every landmark measured in this frame whose label is open.
@@ -148,7 +150,8 @@ void LandmarkManager::release_what_moved(Belief& belief) {
 Label LandmarkManager::answer(MotionBelief& motion, TrackRecord& record) const {
   motion.prior_sigmas = functions_.prior_sigmas(record.prior);
   motion.prior_velocity_sigma = record.prior.velocity_sigma();
-  return classifier_->decide(motion, record.classifier_memory);
+  const Label label = classifier_->decide(motion, record.classifier_memory);
+  return label == Label::kStatic && record.cannot_rest ? Label::kUnknown : label;
 }
 
 // Judged at the estimate. Where Jacobians are taken at the truth it is judged there: what is

@@ -27,7 +27,7 @@ class LandmarkManager {
   void record(int frame, std::span<const Observation> accepted, std::span<const int> unused);
   bool watches_innovations() const { return slammot::watches_innovations(models_.labels); }
   void note_innovations(std::span<const LeaveOneOut> innovations);
-  void learn_depths(std::span<const Observation> accepted, Belief& belief);
+  void look_at_depths(std::span<const Observation> accepted, Belief& belief);
   // Tracks whose probation ends with this frame become landmarks, before its measurements are
   // gated.
   void end_probation(const Frame& frame, Belief& belief, FrameReport& report);

@@ -49,6 +49,25 @@ TEST(Reversible, RightLabelsStayAndWrongOnesGo) {
   EXPECT_EQ(taken_back(100.0, 1000, 20, with_rule(LabelRule::kOneWay)), 0);
 }
 
+// What keeps pace with the camera looks like a point beyond infinity.
+TEST(Reversible, NothingThatRestsHasANegativeInverseDepth) {
+  TrackRecord record = initialised(1, 0, Label::kStatic, {});
+  note_depth(record, {-0.04, 0.01}, reversible());
+  EXPECT_FALSE(is_rejected(record, reversible()));  // far away, four sigma
+  note_depth(record, {-0.06, 0.01}, with_rule(LabelRule::kOneWay));
+  EXPECT_FALSE(is_rejected(record, with_rule(LabelRule::kOneWay)));
+  note_depth(record, {-0.06, 0.01}, reversible());
+  EXPECT_TRUE(is_rejected(record, reversible()));
+  note_reverted(record);
+  EXPECT_FALSE(is_rejected(record, reversible()));
+  EXPECT_TRUE(record.cannot_rest);
+
+  TrackRecord known = initialised(2, 0, Label::kStatic, {});
+  known.known = true;
+  note_depth(known, {-0.06, 0.01}, reversible());
+  EXPECT_FALSE(is_rejected(known, reversible()));
+}
+
 TEST(Reversible, OnlyTheLatestInnovationsCount) {
   const LabelOptions options = reversible();
   TrackRecord record = initialised(1, 0, Label::kStatic, {});
