@@ -145,9 +145,8 @@ void Batch::solve() {
   int left = kMaxIterations, waited = -1;
   for (;;) {
     const auto [waiting, iterations, has_converged] = solve_with_ceres(graph_, left);
-    if (has_converged && refresh_noises() <= kNegligibleNoise &&
-        (waiting == 0 || waiting == waited))
-      return;
+    const bool has_settled = has_converged && refresh_noises() <= kNegligibleNoise;
+    if (has_settled && (waiting == 0 || waiting == waited)) return;
     leave_out_poles();
     waited = waiting;
     left -= iterations;

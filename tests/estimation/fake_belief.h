@@ -19,6 +19,7 @@ struct FakeLandmark {
   double speed = 0.0;  // believed [m/s]
   double speed_sigma = 1.0;
   double leave_one_out = 0.0;
+  double inverse_depth = 0.5;  // [1/m], known to 0.001
   bool in_view = true;
 };
 
@@ -69,7 +70,8 @@ class FakeBelief final : public Belief {
   }
   void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override {
     call("inverse_depths");
-    result.assign(tracks.size(), {0.5, 0.001});
+    result.clear();
+    for (const int track : tracks) result.push_back({state.at(track).inverse_depth, 0.001});
   }
   void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override {
     call("motions");

@@ -105,6 +105,29 @@ TEST_F(FrameLoopOf, ClassifiesAndCollapses) {
   EXPECT_TRUE(belief_->state.at(2).is_free);
 }
 
+// It keeps pace with the camera: released once, and never static again, however well it rests.
+TEST_F(FrameLoopOf, WhatIsBeyondInfinityIsNotStatic) {
+  ModelOptions models;
+  models.classifier.name = "thesis";
+  start(models);
+  frame({});
+  frame({1, 2});
+  for (const int track : {1, 2}) belief_->state.at(track) = {true, 0.0, 0.0, 0.1};
+  frame({1, 2});
+  ASSERT_EQ(label(1), Label::kStatic);
+  belief_->state.at(1).inverse_depth = -0.004;  // four sigma
+  frame({1, 2});
+  EXPECT_EQ(label(1), Label::kStatic);
+  belief_->state.at(1).inverse_depth = -0.006;
+  frame({1, 2});
+  EXPECT_EQ(label(1), Label::kUnknown);
+  EXPECT_TRUE(belief_->state.at(1).is_free);
+  belief_->state.at(1).inverse_depth = 0.5;
+  for (int k = 0; k < 5; ++k) frame({1, 2});
+  EXPECT_EQ(label(1), Label::kUnknown);
+  EXPECT_EQ(label(2), Label::kStatic);
+}
+
 // What no motion explains is a wrong match; what one explains speaks against the label.
 TEST_F(FrameLoopOf, AWrongMatchSaysNothingOfALabel) {
   start({});

@@ -1,11 +1,13 @@
 // Driving an estimator: what is collected, what divergence leaves, how labels are counted.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 
 #include "eval/metrics/metrics.h"
 #include "eval/output/metrics_json.h"
 #include "eval/run/run.h"
+#include "eval/run/stage_clock.h"
 #include "tests/eval/fixture.h"
 
 namespace slammot {
@@ -30,6 +32,26 @@ TEST(Drive, CollectsFramesAndTimes) {
   EXPECT_EQ(run.timing[2].stage, "total");
   EXPECT_GE(run.timing[2].milliseconds, run.timing[0].milliseconds + run.timing[1].milliseconds);
   EXPECT_FALSE(run.diverged);
+}
+
+// What is noted for pictures is a stage of its own.
+TEST(StageClock, TheWholeIsWithoutIt) {
+  using Clock = std::chrono::steady_clock;
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  const Clock::time_point begun = Clock::now();
+  StageClock clock;
+  clock.begin("gate");
+  clock.begin(StageListener::kPredictions);
+  const Clock::time_point noted = Clock::now();
+  while (Clock::now() - noted < Milliseconds(20.0)) continue;
+  clock.begin("update");
+  const auto stages = clock.finish();
+  const double all = Milliseconds(Clock::now() - begun).count();
+  ASSERT_EQ(stages.size(), 4u);
+  EXPECT_EQ(stages[3].first, "total");
+  EXPECT_GE(stages[1].second, 20.0);
+  EXPECT_GE(stages[3].second, stages[0].second + stages[2].second - 1e-9);
+  EXPECT_LE(stages[3].second, all - stages[1].second + 1e-9);
 }
 
 // The last ones have no pose at the longest lag: with them a growing error would fall with the lag.

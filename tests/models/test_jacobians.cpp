@@ -119,6 +119,22 @@ TEST(Observation, CountsForNothingNearThePlaneOfTheCamera) {
   EXPECT_FALSE(seen(88.0));
 }
 
+// As a fisheye has them in its corners.
+TEST(Observation, NoLandmarkBeginsNearThePlaneOfTheCamera) {
+  constexpr PointFunctions kPoint = point_row<InverseDepth>();
+  Camera camera;
+  camera.lens = make_lens("equidistant", {});
+  camera.fx = camera.fy = 190.0;
+  const auto begins = [&](double degrees) {
+    const double angle = degrees * M_PI / 180.0;
+    return initialise(camera, kPoint, Eigen::Quaterniond::Identity(),
+                      {camera.cx + camera.fx * angle, camera.cy}, 0.3)
+        .has_value();
+  };
+  EXPECT_TRUE(begins(86.0));
+  EXPECT_FALSE(begins(88.0));
+}
+
 TEST_P(ObservationJacobians, InitialisationInvertsObservation) {
   Random random;
   const Camera& camera = GetParam();
