@@ -43,8 +43,10 @@ class Belief {
   virtual void leaving(std::vector<int>& tracks) { tracks.clear(); }
 
   // The time update, thesis 2.1.1 and (2.5), by `dt` [s] since the frame before (0: the first
-  // frame). How much a landmark may accelerate depends on its label (LandmarkPrior::noise).
-  virtual void predict(const Frame& frame, double dt, const TrackRecords& records) = 0;
+  // frame), with this noise of the camera. How much a landmark may accelerate depends on its label
+  // (LandmarkPrior::noise).
+  virtual void predict(const Frame& frame, double dt, const MotionNoise& noise,
+                       const TrackRecords& records) = 0;
 
   // A landmark known beforehand enters as static, before the frame's measurements are used.
   virtual void add_known(const KnownLandmark& known) = 0;

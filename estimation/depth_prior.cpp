@@ -69,9 +69,13 @@ LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, std::span<SeenDept
   return learnt;
 }
 
+bool holds_scale(const InitialCamera& camera) {
+  return 2.0 * camera.velocity_sigma < camera.state.velocity.norm();
+}
+
 bool learns_depths(DepthPriorSource source, const InitialCamera& camera, bool some_are_known) {
   if (source != DepthPriorSource::kAuto) return source == DepthPriorSource::kEmpirical;
-  return some_are_known || 2.0 * camera.velocity_sigma < camera.state.velocity.norm();
+  return some_are_known || holds_scale(camera);
 }
 
 }  // namespace slammot

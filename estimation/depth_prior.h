@@ -46,6 +46,9 @@ SeenDepth seen_depth(const PointFunctions& point, const Eigen::Vector3d& y,
 // than the rest moved back.
 LandmarkPrior learnt_depth_prior(const LandmarkPrior& stated, std::span<SeenDepth> seen);
 
+// Whether the first velocity is known to half of itself.
+bool holds_scale(const InitialCamera& camera);
+
 // Whether depths are learnt from the map; kAuto: where something else holds the scale.
 bool learns_depths(DepthPriorSource source, const InitialCamera& camera, bool some_are_known);
 

@@ -55,7 +55,8 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
 }
 
 // Thesis 2.1.1 for the camera, (2.5) for what may move; a static landmark is not predicted (3.1.3).
-void Ekf::predict(const Frame& frame, double dt, const TrackRecords& records) {
+void Ekf::predict(const Frame& frame, double dt, const MotionNoise& noise,
+                  const TrackRecords& records) {
   if (options_.deferred) divide(frame);
   frame_ = frame.index;
   ++frames_;
@@ -64,7 +65,7 @@ void Ekf::predict(const Frame& frame, double dt, const TrackRecords& records) {
   if (!state_.clones.empty()) state_.clone_pose(clone_of(frames_ - 1));
   const CameraState at = linearisation_.camera(state_);
   state_.covariance.propagate({JointState::kCamera}, predict_jacobian(at, dt),
-                              camera_noise(setup_.camera_noise, at, dt));
+                              camera_noise(noise, at, dt));
   state_.camera = slammot::predict(state_.camera, dt);
   for (auto& [track, landmark] : state_.landmarks) {
     if (landmark.is_free()) predict_landmark(track, landmark, records.at(track).label, dt);

@@ -14,7 +14,8 @@ class Ekf final : public Belief {
   // exclude each other.
   Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options);
 
-  void predict(const Frame& frame, double dt, const TrackRecords& records) override;
+  void predict(const Frame& frame, double dt, const MotionNoise& noise,
+               const TrackRecords& records) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured, FrameInnovation& result) override;
   void predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) override;

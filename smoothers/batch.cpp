@@ -87,7 +87,7 @@ void Batch::add_cameras() {
       continue;
     }
     const double dt = timestamps_[i] - timestamps_[i - 1];
-    const Matrix12d Q = camera_noise(setup_.camera_noise, states[i - 1], dt);
+    const Matrix12d Q = camera_noise(window_->camera_noises()[i - 1], states[i - 1], dt);
     graph_.add_motion(cameras_[i - 1], cameras_[i], Q, dt);
   }
 }

@@ -25,13 +25,16 @@ FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, MakeBelief 
       truth_for_view_(std::move(truth_for_view)),
       first_(models.labels),
       point_(find_point(models.point)),
-      gate_(models.gate, setup.pixel_sigma) {
+      gate_(models.gate, setup.pixel_sigma),
+      noise_(setup.camera_noise, false) {
   start();
 }
 
 void FrameLoop::start() {
   belief_ = make_belief_();
   manager_ = std::make_unique<LandmarkManager>(setup_, models_, first_, truth_for_view_);
+  // A covariance at the truth must not depend on the estimate.
+  noise_ = AdaptiveNoise(setup_.camera_noise, models_.adaptive_motion && !truth_for_view_);
   timestamp_.reset();
 }
 
@@ -77,7 +80,9 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   stages.begin("predict");
   manager_->retire_leaving(*belief_, report);
   const double dt = time_since_last(frame);
-  belief_->predict(frame, dt, manager_->records());
+  const bool learns_noise = noise_.adapts() && dt > 0.0;
+  const CameraEstimate before = learns_noise ? belief_->camera() : CameraEstimate{};
+  belief_->predict(frame, dt, noise_.of_next(), manager_->records());
   manager_->add_known(frame, *belief_, report);
   manager_->end_probation(frame, *belief_, report);
 
@@ -94,6 +99,7 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
 
   // Before labels change: these are marginals of the update.
   stages.begin("marginals");
+  if (learns_noise) noise_.learn(before, belief_->camera(), dt);
   if (manager_->watches_innovations()) {
     belief_->leave_one_out(given_others_);
     manager_->note_innovations(given_others_);

@@ -7,6 +7,7 @@
 
 #include <functional>
 
+#include "estimation/loop/adaptive_noise.h"
 #include "estimation/belief.h"
 #include "estimation/gate.h"
 #include "estimation/loop/landmark_manager.h"
@@ -57,6 +58,7 @@ class FrameLoop final : public Estimator {
   // Made anew when the run starts over.
   std::unique_ptr<Belief> belief_;
   std::unique_ptr<LandmarkManager> manager_;
+  AdaptiveNoise noise_;
   std::optional<double> timestamp_;
   int anew_ = 0;  // frames processed again
 

@@ -68,10 +68,18 @@ double mean_sigma(const LandmarkPrior& stated, bool learns, bool is_given, bool 
   return stated.mean_sigma > 0.0 ? stated.mean_sigma : 0.5 * stated.inverse_depth;
 }
 
+// What moves in a scene of which nothing is stated moves as fast as its camera, where that is
+// known.
+double max_speed(const LandmarkPrior& model, const InitialCamera& camera) {
+  const double speed = camera.state.velocity.norm();
+  return holds_scale(camera) ? std::max(model.max_speed, speed) : model.max_speed;
+}
+
 LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& camera,
                              const Configuration& configuration) {
   const PriorConfiguration& overrides = configuration.prior;
   LandmarkPrior prior = sequence.prior.value_or(LandmarkPrior{});
+  if (!sequence.prior) prior.max_speed = max_speed(prior, camera);
   const bool is_given = sequence.prior || overrides.inverse_depth;
   const auto of_known = is_given ? std::nullopt : inverse_depth_of_known(sequence, camera.state);
   if (of_known) {

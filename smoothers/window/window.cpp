@@ -70,12 +70,14 @@ void Window::leaving(std::vector<int>& tracks) {
 
 // Thesis 2.1.1 and (2.5): the new camera enters at its prediction, with its motion factor, and the
 // chain of each free landmark grows.
-void Window::predict(const Frame& frame, double dt, const TrackRecords& records) {
+void Window::predict(const Frame& frame, double dt, const MotionNoise& noise,
+                     const TrackRecords& records) {
   if (dt == 0.0) {
     cameras_.start(frame, setup_.initial);
     return refactorise();
   }
-  cameras_.advance(frame, dt, setup_.camera_noise);
+  cameras_.advance(frame, dt, noise);
+  if (histories_) noises_.push_back(noise);
   const CameraMotionFactor& motion = graph_.motions.back();
   const Matrix12d J_inverse = motion.J_to.inverse();
   F_ = -J_inverse * motion.J_from;

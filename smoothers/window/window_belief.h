@@ -32,7 +32,8 @@ class Window final : public Belief {
   Window& operator=(const Window&) = delete;
 
   void leaving(std::vector<int>& tracks) override;
-  void predict(const Frame& frame, double dt, const TrackRecords& records) override;
+  void predict(const Frame& frame, double dt, const MotionNoise& noise,
+               const TrackRecords& records) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured, FrameInnovation& result) override;
   void predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) override;
@@ -58,6 +59,8 @@ class Window final : public Belief {
 
   // Every camera so far, oldest first: as it left, or as it is in the window.
   std::vector<CameraState> all_cameras() const;
+  // The noise of the step between each two of them; noted where there are histories.
+  const std::vector<MotionNoise>& camera_noises() const { return noises_; }
   const Graph& graph() const { return graph_; }
 
   // Of all frames so far, with `window.retest`.
@@ -149,6 +152,7 @@ class Window final : public Belief {
   mutable Optimiser optimiser_;  // with the factorisation of the newest update or collapse
   Marginaliser marginaliser_;
   TrackHistories* histories_;
+  std::vector<MotionNoise> noises_;
 
   // With `window.retest`.
   double threshold_given_others_;

@@ -28,10 +28,12 @@ class FakeBelief final : public Belief {
  public:
   explicit FakeBelief(std::vector<std::string>& calls) : calls_(calls) {}
 
-  void predict(const Frame& frame, double dt, const TrackRecords& /*records*/) override {
+  void predict(const Frame& frame, double dt, const MotionNoise& noise,
+               const TrackRecords& /*records*/) override {
     call("predict");
     camera_.timestamp = frame.timestamp;
     last_dt = dt;
+    last_noise = noise;
   }
   void add_known(const KnownLandmark& known) override {
     call("add_known");
@@ -60,6 +62,7 @@ class FakeBelief final : public Belief {
   }
   void update(const TrackRecords&, std::span<const Observation> accepted, StageListener&) override {
     call("update");
+    camera_.state.velocity += last_dt * acceleration;
     used.clear();
     for (const Observation& z : accepted) used.push_back(z.track);
   }
@@ -163,6 +166,8 @@ class FakeBelief final : public Belief {
   bool remembers_all = false;
   LandmarkPrior newest_prior;
   double last_dt = -1.0;
+  MotionNoise last_noise;
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // of the camera, in each update
 
  private:
   void call(const char* name) { calls_.emplace_back(name); }

@@ -28,6 +28,25 @@ TEST_F(FrameLoopOf, AsksInTheOrderOfTheThesis) {
   EXPECT_THROW(loop_->process(again, stages_), std::invalid_argument);
 }
 
+// The noise of a step is wider after a curve.
+TEST_F(FrameLoopOf, WidensTheCamerasNoiseInACurve) {
+  setup_.camera_noise.acceleration = 0.5;
+  for (const bool adaptive : {true, false}) {
+    index_ = 0;
+    ModelOptions models;
+    models.adaptive_motion = adaptive;
+    start(models);
+    belief_->acceleration = {5.0, 0.0, 0.0};
+    for (int k = 0; k < 10; ++k) frame({1});
+    if (adaptive) {
+      EXPECT_GT(belief_->last_noise.acceleration, 2.0);
+    } else {
+      EXPECT_EQ(belief_->last_noise.acceleration, 0.5);
+    }
+    EXPECT_EQ(belief_->last_noise.angular_acceleration, setup_.camera_noise.angular_acceleration);
+  }
+}
+
 TEST_F(FrameLoopOf, GatesEachMeasurementOnItsOwn) {
   start({});
   frame({1, 2, 3});

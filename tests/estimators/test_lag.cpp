@@ -6,7 +6,7 @@
 #include "eval/configuration/setup.h"
 #include "filters/ekf.h"
 #include "smoothers/window/window.h"
-#include "tests/estimators/linearisation_fixture.h"
+#include "tests/estimators/fixture/linearisation_fixture.h"
 
 namespace slammot {
 namespace {

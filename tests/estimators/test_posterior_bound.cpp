@@ -4,7 +4,7 @@
 // The world is `model_matched` with static landmarks of frame 0 at given pixels, so that all draws
 // have the same variables: drawn are the camera's start and path, the depths and the pixel noise.
 // No image edge ends a track, for what an edge selects has no Fisher information.
-#include "tests/estimators/posterior_bound.h"
+#include "tests/estimators/fixture/posterior_bound.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@
 #include "eval/run/run.h"
 #include "eval/statistics/chi_square.h"
 #include "eval/statistics/statistics.h"
-#include "tests/estimators/linearisation_fixture.h"
+#include "tests/estimators/fixture/linearisation_fixture.h"
 
 namespace slammot {
 namespace {

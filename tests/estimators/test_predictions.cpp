@@ -10,7 +10,7 @@
 #include "eval/run/run.h"
 #include "filters/ekf_belief.h"
 #include "models/points/observation.h"
-#include "tests/estimators/linearisation_fixture.h"
+#include "tests/estimators/fixture/linearisation_fixture.h"
 
 namespace slammot {
 namespace {
@@ -148,12 +148,12 @@ TEST(Predictions, OfAnEkfAreThoseOfItsJointCovariance) {
   Ekf ekf(setup, models, {.second_order = false});
   const std::vector<Observation> first = {{1, {100, 90}}, {2, {330, 250}}, {3, {500, 400}}};
   TrackRecords records;
-  ekf.predict({0, 0.0, first}, 0.0, records);
+  ekf.predict({0, 0.0, first}, 0.0, setup.camera_noise, records);
   for (const Observation& z : first) {
     ASSERT_TRUE(ekf.add(z, setup.prior, z.track == 2));
     records[z.track] = initialised(z.track, 0, Label::kUnknown, setup.prior);
   }
-  ekf.predict({1, 0.2, {}}, 0.2, records);
+  ekf.predict({1, 0.2, {}}, 0.2, setup.camera_noise, records);
   std::vector<Prediction> predictions;
   const std::vector<int> tracks = {1, 2, 3};
   ekf.predict_pixels(tracks, predictions);

@@ -8,7 +8,7 @@
 #include "filters/ekf.h"
 #include "smoothers/batch.h"
 #include "smoothers/window/window.h"
-#include "tests/estimators/linearisation_fixture.h"
+#include "tests/estimators/fixture/linearisation_fixture.h"
 
 namespace slammot {
 namespace {
@@ -24,6 +24,7 @@ Configuration configured(int probation) {
   configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
   configuration.model.gate = {1.0, 1.0};
   configuration.model.depth_prior = DepthPriorSource::kFixed;
+  configuration.model.adaptive_motion = false;  // it follows the estimates on the way
   configuration.model.policy.probation = probation;
   configuration.window.frames = kFrames;
   return configuration;

@@ -5,7 +5,7 @@
 #include "datasets/simulation/scenario.h"
 #include "eval/configuration/setup.h"
 #include "smoothers/window/window.h"
-#include "tests/estimators/linearisation_fixture.h"
+#include "tests/estimators/fixture/linearisation_fixture.h"
 
 namespace slammot {
 namespace {

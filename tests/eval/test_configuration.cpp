@@ -184,6 +184,32 @@ TEST(MakeSetup, ConfigurationThenSequenceThenDefault) {
   EXPECT_EQ(resolve(sequence, configuration).motion.angular_acceleration, 3.0);
 }
 
+// Unless the sequence or the user states it; a velocity that is hardly known tells nothing.
+TEST(MakeSetup, LandmarksMoveAsFastAsTheCamera) {
+  Sequence sequence = test::straight_line(2);
+  const auto max_speed = [&](const Configuration& c = {}) {
+    return make_setup(sequence, c).prior.max_speed;
+  };
+  EXPECT_EQ(max_speed(), 2.0);
+  sequence.initial = InitialCamera{};
+  sequence.initial->state.velocity = {6.0, 0.0, 8.0};
+  sequence.initial->velocity_sigma = 0.3;
+  EXPECT_EQ(max_speed(), 10.0);
+  sequence.initial->velocity_sigma = 5.1;
+  EXPECT_EQ(max_speed(), 2.0);
+  sequence.initial->velocity_sigma = 0.3;
+  Configuration stated;
+  stated.prior.max_speed = 3.0;
+  EXPECT_EQ(max_speed(stated), 3.0);
+  sequence.prior = LandmarkPrior{};
+  sequence.prior->max_speed = 4.0;
+  EXPECT_EQ(max_speed(), 4.0);
+  sequence.prior.reset();
+  sequence.initial->state.velocity = {0.5, 0.0, 0.0};
+  sequence.initial->velocity_sigma = 0.1;
+  EXPECT_EQ(max_speed(), 2.0);
+}
+
 // Where nothing else states the scale, the statement is not given up.
 TEST(MakeSetup, DepthsAreLearntWhereALandmarkIsKnown) {
   Sequence sequence = test::straight_line(2);

@@ -67,11 +67,12 @@ class Unscented final : public Belief {
     P_ = sigmas.cwiseAbs2().asDiagonal();
   }
 
-  void predict(const Frame& /*frame*/, double dt, const TrackRecords& records) override {
+  void predict(const Frame& /*frame*/, double dt, const MotionNoise& noise,
+               const TrackRecords& records) override {
     if (dt == 0.0) return;
     const CameraState before = camera_, after = slammot::predict(before, dt);
     camera_ = after;
-    propagate(range(0, 12), camera_noise(setup_.camera_noise, before, dt), [&](const VectorXd& d) {
+    propagate(range(0, 12), camera_noise(noise, before, dt), [&](const VectorXd& d) {
       return VectorXd(boxminus(slammot::predict(boxplus(before, Vector12d(d)), dt), after));
     });
     for (const auto& [track, l] : landmarks_) {

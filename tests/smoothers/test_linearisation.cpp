@@ -3,7 +3,7 @@
 
 #include "datasets/simulation/scenario.h"
 #include "eval/run/run.h"
-#include "tests/estimators/linearisation_fixture.h"
+#include "tests/estimators/fixture/linearisation_fixture.h"
 
 namespace slammot {
 namespace {

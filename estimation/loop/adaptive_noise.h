@@ -1,0 +1,50 @@
+// The camera's noise of the next step: as stated, or wider where its velocity goes on changing in
+// one direction.
+//
+// White noise changes the velocity by sqrt(n) sigma_a dt in n frames. A curve, whose accelerations
+// have one sign, changes it by n times its acceleration, though a user who takes sigma_a from the
+// recording's mean square states just that. A camera that is held so tightly moves the map
+// instead, and labels follow.
+//
+// Let d = v(k|k) - v(k-1|k-1). If the model is right these are independent from frame to frame,
+// with covariance P(k-1|k-1) - P(k|k) + (sigma_a dt)^2 I of v. So their mean with forgetting,
+//   u <- (1 - a) u + a d,   V <- (1 - a)^2 V + a^2 tr(P(k-1|k-1) - P(k|k) + (sigma_a dt)^2 I),
+// has |u|^2 / V = 1 on average. Where it is more, the variance of the next step is that many times
+// the stated one; never less, for a camera that has moved evenly may turn. The same for omega, with
+// sigma_alpha, on its own.
+#pragma once
+
+#include "estimation/estimator.h"
+
+namespace slammot {
+
+class AdaptiveNoise {
+ public:
+  // Without `adapts` the noise stays as stated.
+  AdaptiveNoise(const MotionNoise& stated, bool adapts)
+      : adapts_(adapts), stated_(stated), of_next_(stated) {}
+
+  const MotionNoise& of_next() const { return of_next_; }
+  bool adapts() const { return adapts_; }
+
+  // The camera before and after a frame, `dt` [s] apart, where it adapts.
+  void learn(const CameraEstimate& before, const CameraEstimate& after, double dt);
+
+ private:
+  // Of the linear or of the angular velocity.
+  struct Drift {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();  // u
+    double variance = 0.0;                           // V
+
+    // |u|^2 / V with the change of this frame, 1 at least. `at`: where the velocity is among the
+    // camera's errors; `sigma`: what the stated noise lets it change by in this step.
+    double add(const Eigen::Vector3d& change, const CameraEstimate& before,
+               const CameraEstimate& after, int at, double sigma);
+  };
+
+  bool adapts_;
+  MotionNoise stated_, of_next_;
+  Drift linear_, angular_;
+};
+
+}  // namespace slammot
