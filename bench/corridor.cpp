@@ -90,6 +90,7 @@ Configuration corridor_configuration(const CorridorOptions& options) {
   configuration.model.labels.rule = LabelRule::kOneWay;  // what is timed is the thesis's filter
   configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
   configuration.model.collapse = Collapse::kDrop;
+  configuration.model.adaptive_motion = false;
   configuration.model.depth_prior = DepthPriorSource::kFixed;
   configuration.model.policy.max_visible = options.visible;
   configuration.model.policy.max_landmarks = 100000;

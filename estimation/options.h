@@ -100,8 +100,7 @@ struct ModelOptions {
   LabelOptions labels;
   TrackPolicy policy;
   DepthPriorSource depth_prior = DepthPriorSource::kAuto;  // of new landmarks
-  bool adaptive_motion =
-      true;  // camera noise is wider than stated in a curve (loop/adaptive_noise.h)
+  bool adaptive_motion = true;  // the camera's noise, see loop/adaptive_noise.h
 };
 
 }  // namespace slammot

@@ -11,7 +11,6 @@ constexpr double kForgetting = 0.1;  // a: about ten frames
 
 }  // namespace
 
-// The covariance may have grown since: a label that was taken back, a step without measurements.
 double AdaptiveNoise::Drift::add(const Eigen::Vector3d& change, const CameraEstimate& before,
                                  const CameraEstimate& after, int at, double sigma) {
   const double shrunk = before.covariance.diagonal().segment<3>(at).sum() -

@@ -2,16 +2,18 @@
 // one direction.
 //
 // White noise changes the velocity by sqrt(n) sigma_a dt in n frames. A curve, whose accelerations
-// have one sign, changes it by n times its acceleration, though a user who takes sigma_a from the
-// recording's mean square states just that. A camera that is held so tightly moves the map
-// instead, and labels follow.
+// have one sign, changes it by n times its acceleration, and a recording's root mean square, which
+// users state, does not tell the two apart. A camera whose velocity is held too tightly moves the
+// map instead, and landmarks at rest are then labelled moving.
 //
 // Let d = v(k|k) - v(k-1|k-1). If the model is right these are independent from frame to frame,
 // with covariance P(k-1|k-1) - P(k|k) + (sigma_a dt)^2 I of v. So their mean with forgetting,
-//   u <- (1 - a) u + a d,   V <- (1 - a)^2 V + a^2 tr(P(k-1|k-1) - P(k|k) + (sigma_a dt)^2 I),
-// has |u|^2 / V = 1 on average. Where it is more, the variance of the next step is that many times
-// the stated one; never less, for a camera that has moved evenly may turn. The same for omega, with
-// sigma_alpha, on its own.
+//   u <- (1 - a) u + a d,
+//   V <- (1 - a)^2 V + a^2 (3 (sigma_a dt)^2 + max(0, tr(P(k-1|k-1) - P(k|k)))),
+// has |u|^2 / V = 1 on average. P is that of the filter, whose noise may be wider than stated, so
+// that it may grow; that is not counted. Where the ratio is more than 1, the variance of the next
+// step is that many times the stated one; never less, for a camera that has moved evenly may turn.
+// The same for omega, with sigma_alpha, on its own.
 #pragma once
 
 #include "estimation/estimator.h"

@@ -7,9 +7,9 @@
 
 #include <functional>
 
-#include "estimation/loop/adaptive_noise.h"
 #include "estimation/belief.h"
 #include "estimation/gate.h"
+#include "estimation/loop/adaptive_noise.h"
 #include "estimation/loop/landmark_manager.h"
 
 namespace slammot {

@@ -245,8 +245,11 @@ std::vector<ConfigurationKey> statement_keys() {
           "sigma_rho of a landmark as its estimated mean is corrected: fixed or relative to it; "
           "auto: relative where the sequence states no depths, or a mean_sigma",
           listed(kPriorSpreads), SLAMMOT_FIELD(prior.spread)),
-      number("prior.max_speed", "|v|max of landmarks; sigma_v is half of it [m/s]", kPositive,
-             SLAMMOT_FIELD(prior.max_speed)),
+      number(
+          "prior.max_speed",
+          "|v|max of landmarks; sigma_v is half of it; where nothing states it, 2 or the camera's "
+          "first speed, if that is more and known to half of itself [m/s]",
+          kPositive, SLAMMOT_FIELD(prior.max_speed)),
       number("prior.acceleration", "noise of unknown and moving landmarks [m/s^2]", kNotNegative,
              SLAMMOT_FIELD(prior.acceleration)),
       number("prior.jerk", "the same of models with an acceleration [m/s^3]", kNotNegative,

@@ -86,7 +86,7 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
   models.depth_prior = source_of(GetParam().depth_prior);
   models.landmark = GetParam().landmark;
   models.point = GetParam().point;
-  // There it makes more of the rounding errors: covariances differ by 1.4e-9.
+  // With xyz adaptive noise makes more of the rounding errors: covariances differ by 1.4e-9.
   models.adaptive_motion = GetParam().point != "xyz";
   models.collapse = GetParam().collapse == "drop" ? Collapse::kDrop : Collapse::kCondition;
   models.classifier.name = GetParam().classifier;
