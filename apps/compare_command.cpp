@@ -5,9 +5,9 @@
 #include <memory>
 
 #include "apps/commands.h"
+#include "apps/pictures/draw_run.h"
 #include "apps/support/command_line.h"
 #include "apps/support/configuration_options.h"
-#include "apps/pictures/draw_run.h"
 #include "apps/support/progress.h"
 #include "apps/support/sequence_source.h"
 #include "apps/support/usage.h"

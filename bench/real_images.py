@@ -1,9 +1,10 @@
-"""real_images.py SLAMMOT DATA OUTPUT [--sensitivity] [NAME ...]: real images through `track` and `run` with the defaults; the tables of docs/images.md.
+"""real_images.py SLAMMOT DATA OUTPUT [--sensitivity | --first-frames] [NAME ...]: real images through `track` and `run` with the defaults; the tables of docs/recordings.md.
 
-Stated are camera and scale, nothing else. With --sensitivity the EKF runs again with one setting changed at a time. bench/real/regions.csv
-marks by hand what is seen where: a track belongs to an object if in a marked frame it lies in the object's box. A folder of OUTPUT that is
-there already is not computed again. ATE is after alignment by Sim(3), in per cent of the true path; the rotation's error is the RMSE over all
-frames without alignment, and that times 50 m over the path.
+Stated are camera and scale, nothing else. With --sensitivity the EKF runs again with one setting changed at a time; with --first-frames EKF and
+window run from other first frames, whose true pose and velocity are stated then. bench/real/regions.csv marks by hand what is seen where: a track
+belongs to an object if in a marked frame it lies in the object's box. A folder of OUTPUT that is there already is not computed again. ATE is after
+alignment by Sim(3), in per cent of the true path from the first frame used; the rotation's error is the RMSE over all frames without alignment,
+and that times 50 m over the path.
 """
 import collections
 import json
@@ -14,7 +15,7 @@ import sys
 import warnings
 
 import yaml
-from real_motion import residuals, rows_of
+from real_motion import TrueCameras, residuals, rows_of
 
 HERE = pathlib.Path(__file__).resolve().parent / "real"
 SEQUENCES = {  # name, also the folder of DATA: arguments of `track`, which state the scale
@@ -25,6 +26,7 @@ SEQUENCES = {  # name, also the folder of DATA: arguments of `track`, which stat
 }
 AT_REST, MOVED = 0.6, 3.0  # [px], residuals; the true poses are not exact either
 ESTIMATORS = ["ekf", "window", "static_world", "five_point"]
+FIRST_FRAMES = range(0, 40, 4)
 SETTINGS = ["pixel_sigma=0.25", "pixel_sigma=1", "gate.given_others=0.99", "gate.given_others=1", "prior.mean_sigma=0.1"]
 
 
@@ -55,10 +57,10 @@ def at_rest_and_moved(tracked, run):
     return [t for t, r in found.items() if r < AT_REST], [t for t, r in found.items() if r > MOVED]
 
 
-def path_of(tracked):
-    """[m], of the true poses."""
-    lines = (tracked / "groundtruth.tum").read_text(encoding="utf-8").splitlines()
-    points = [tuple(map(float, line.split()[1:4])) for line in lines if line and not line.startswith("#")]
+def path_of(tracked, first=0):
+    """[m], of the true poses from this frame on."""
+    poses = TrueCameras(tracked).poses
+    points = [poses[frame][1] for frame in sorted(poses) if frame >= first]
     return sum(map(math.dist, points, points[1:]))
 
 
@@ -84,7 +86,7 @@ def cell(run, path):
     metrics = json.loads((run / "metrics.json").read_text(encoding="utf-8"))
     accuracy = metrics["filtered"]["accuracy"]
     rotation = accuracy["rotation_rmse_deg"]
-    note = ", diverged" if metrics["diverged"] else ""
+    note = ", failed" if metrics["failed"] or metrics["diverged"] else ""
     return (f"{100 * accuracy['ate_sim3_m'] / path:.2g}%, {rotation:.2g} ({50 * rotation / path:.2g}) deg{note}, "
             f"{len(metrics['warnings'])} w")
 
@@ -94,6 +96,21 @@ def print_table(rows, names, run, paths):
     print("|---" * (len(names) + 1) + "|")
     for label, arguments in rows:
         print(f"| {label} | " + " | ".join(cell(run(name, *arguments), paths[name]) for name in names) + " |", flush=True)
+
+
+def print_first_frames(name, tracked, run):
+    """Geometric mean and worst ATE over the first frames, how many are within 1%, how many failed and how many of these warned. Of runs that
+    ended early there is no error over the whole path: they are counted only."""
+    for estimator, kinds in (("ekf", ["filtered"]), ("window", ["filtered", "smoothed"])):
+        runs = {first: run(name, estimator, (f"frames.first={first}",)) for first in FIRST_FRAMES}
+        metrics = {first: json.loads((folder / "metrics.json").read_text(encoding="utf-8")) for first, folder in runs.items()}
+        failed = [m for m in metrics.values() if m["failed"]]
+        ended = [first for first, m in metrics.items() if m["diverged"]]
+        for kind in kinds:
+            errors = [100 * m[kind]["accuracy"]["ate_sim3_m"] / path_of(tracked, first) for first, m in metrics.items() if first not in ended]
+            mean = math.exp(sum(map(math.log, errors)) / len(errors)) if errors else math.nan
+            print(f"| {name} | {estimator}, {kind} | {mean:.2g}%, {max(errors, default=math.nan):.2g}%, {sum(e <= 1 for e in errors)} of "
+                  f"{len(metrics)} | {len(ended)}, {len(failed)}, {sum(m['warned'] > 0 for m in failed)} |", flush=True)
 
 
 def print_labels(name, tracked, run):
@@ -107,7 +124,7 @@ def print_labels(name, tracked, run):
         print(f"   {thing}, frames {moves[thing] or 'all'}: {counted(members, landmarks, frames)}")
 
 
-def main(program, data, output, names, sensitivity):
+def main(program, data, output, names, options):
     paths, tracked = {}, {}
     for name in names:
         tracked[name] = tracked_by(program, pathlib.Path(data), pathlib.Path(output), name)
@@ -116,7 +133,12 @@ def main(program, data, output, names, sensitivity):
     def run(name, estimator, settings=()):
         return run_of(program, tracked[name], estimator, settings)
 
-    if sensitivity:
+    if "--first-frames" in options:
+        print("| | | mean, worst, within 1% | ended, failed, of these warned |\n|---|---|---|---|")
+        for name in names:
+            print_first_frames(name, tracked[name], run)
+        return
+    if "--sensitivity" in options:
         print_table([("defaults", ("ekf",))] + [(f"`{s}`", ("ekf", (s,))) for s in SETTINGS], names, run, paths)
         return
     print_table([(estimator, (estimator,)) for estimator in ESTIMATORS], names, run, paths)
@@ -127,7 +149,8 @@ def main(program, data, output, names, sensitivity):
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore")  # of fits that begin beside the lens
-    words = [word for word in sys.argv[1:] if word != "--sensitivity"]
-    if len(words) < 3:
+    options = [word for word in sys.argv[1:] if word in ("--sensitivity", "--first-frames")]
+    words = [word for word in sys.argv[1:] if word not in options]
+    if len(words) < 3 or len(options) > 1:
         sys.exit(__doc__.splitlines()[0])
-    main(*words[:3], words[3:] or list(SEQUENCES), "--sensitivity" in sys.argv)
+    main(*words[:3], words[3:] or list(SEQUENCES), options)

@@ -9,7 +9,7 @@
 //     Cov(e d) = P_rho P_d + c c'        N = J Cov(e d) J',   J = d pixel / d ray (W)
 //
 // Of static landmarks only: the motion of a free one explains its parallax whatever rho is. The
-// mean of the product, c, is left out. Figures: docs/images.md.
+// mean of the product, c, is left out. Figures: docs/recordings.md.
 #pragma once
 
 #include "models/points/observation.h"

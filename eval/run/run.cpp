@@ -148,7 +148,7 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
   std::vector<RotationSpan> spans;
   if (options.check_rotation)
     spans = options.check_rotation(sequence, result.judged(), sigma_of(sequence, options));
-  result.warnings = self_check(result, spans);
+  result.warnings = self_check(result, spans, options.scale);
   return result;
 }
 
@@ -156,6 +156,7 @@ namespace {
 
 struct Prepared {
   Configuration configuration;
+  std::optional<StatedScale> scale;
   std::unique_ptr<Estimator> estimator;
 };
 
@@ -164,13 +165,14 @@ Prepared prepare(const Sequence& sequence, Configuration configuration, const st
   row.adjust(configuration);
   const Setup setup = make_setup(sequence, configuration);
   configuration = resolved(setup, std::move(configuration));
-  return {configuration, row.make(setup, configuration)};
+  return {configuration, stated_scale(setup), row.make(setup, configuration)};
 }
 
 DriveOptions options_of(const Prepared& prepared, const std::string& estimator,
                         DriveOptions options) {
   options.batch = is_batch(estimator);
   options.pixel_sigma = prepared.configuration.pixel_sigma;
+  options.scale = prepared.scale;
   return options;
 }
 

@@ -10,6 +10,7 @@
 #include "eval/configuration/configuration.h"
 #include "eval/metrics/metrics.h"
 #include "eval/result/run_result.h"
+#include "eval/run/scale_check.h"
 
 namespace slammot {
 
@@ -22,9 +23,10 @@ struct DriveOptions {
   bool landmarks_every_frame = false;
   bool predictions = false;      // of every frame, see Estimator::keep_predictions()
   CheckRotation check_rotation;  // of what is judged; may be empty
-  // Of the registry's estimators these two are known.
+  // Of the registry's estimators these are known.
   bool batch = false;                      // see RunResult
   std::optional<double> pixel_sigma = {};  // of the estimator; that of the sequence, if empty
+  std::optional<StatedScale> scale = {};   // whose scale is asked about
 };
 
 // Gives all frames of the sequence to the estimator. Divergence ends the run, whether the estimator

@@ -183,7 +183,8 @@ std::optional<RunWarning> covariance_warning(const RunResult& run) {
                                        wrong, stated)};
 }
 
-std::vector<RunWarning> self_check(const RunResult& run, std::span<const RotationSpan> rotations) {
+std::vector<RunWarning> self_check(const RunResult& run, std::span<const RotationSpan> rotations,
+                                   const std::optional<StatedScale>& scale) {
   std::vector<RunWarning> warnings;
   const auto check = [&](size_t frames, const Test& test) {
     if (auto warning = first_failure(run, frames, test)) warnings.push_back(std::move(*warning));
@@ -197,6 +198,9 @@ std::vector<RunWarning> self_check(const RunResult& run, std::span<const Rotatio
   if (auto warning = time_jumps(run)) warnings.push_back(std::move(*warning));
   if (auto warning = rotation_is_wrong(rotations)) warnings.push_back(std::move(*warning));
   if (auto warning = covariance_warning(run)) warnings.push_back(std::move(*warning));
+  if (scale) {
+    if (auto warning = scale_warning(run, *scale)) warnings.push_back(std::move(*warning));
+  }
   std::ranges::stable_sort(warnings, {}, &RunWarning::frame);
   return warnings;
 }

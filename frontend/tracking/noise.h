@@ -25,7 +25,7 @@ struct TrackNoise {
 
 // What is stated at least [px]: the distances hold neither what a track keeps for its whole life
 // nor the tail of bad tracks. By the NEES of the rendered room, whose pixels have 0.045 px
-// (docs/images.md, also on what it costs).
+// (docs/recordings.md, also on what it costs).
 inline constexpr double kLeastStated = 0.1;
 
 // Nothing if no two frames share enough tracks.

@@ -1,5 +1,5 @@
 // A recorded sequence with a board that fixes the scale, where it is present: from its images to
-// metres, without alignment, as docs/images.md has it.
+// metres, without alignment, as docs/recordings.md has it.
 #include <gtest/gtest.h>
 
 #include <filesystem>
