@@ -8,7 +8,7 @@
 //   I = (|v| / sigma_v)^2 + (rho0 / sigma)^2 + sum of min(3, (|dv| / (sigma_a dt))^2).
 //
 // Noise of that sigma has 3 in a frame on average; larger changes are those of an estimate that is
-// lost. What movers' speeds tell is left out.
+// lost. What movers' speeds and a fixed spread of depths tell is left out.
 //
 // A scale that is wrong by a share s moves the camera by s d, d being its way since the first pose.
 // So a covariance P of the position implies a relative sigma of the scale of sqrt(d'Pd) / |d|^2 at
