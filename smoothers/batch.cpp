@@ -2,6 +2,7 @@
 
 #include "estimation/loop/frame_loop.h"
 #include "smoothers/graph/least_noise.h"
+#include "smoothers/graph/noise_scale.h"
 #include "smoothers/solver/ceres_solve.h"
 #include "smoothers/window/robust_loss.h"
 #include "smoothers/window/window_belief.h"
@@ -27,7 +28,9 @@ class Batch final : public Estimator {
       : setup_(setup),
         functions_(find_landmark(models.landmark, models.point)),
         loss_(make_loss(front.loss)),
-        graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get()}, false) {
+        graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get(),
+                noise_tells_scale(setup)},
+               false) {
     if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);
     const auto make_window = [=, this] {
       histories_ = {};

@@ -21,6 +21,7 @@ struct GraphModels {
   LandmarkPrior prior;  // of the acceleration noise
   const LandmarkFunctions* landmark = nullptr;
   const ceres::LossFunction* loss = nullptr;  // of a pixel; null: squared
+  bool noise_tells_scale = true;              // see noise_scale.h
 
   const PointFunctions& point() const { return landmark->point; }
 };

@@ -2,6 +2,7 @@
 
 #include "estimation/loop/frame_loop.h"
 #include "models/points/initialisation.h"
+#include "smoothers/graph/noise_scale.h"
 #include "smoothers/window/robust_loss.h"
 #include "smoothers/window/window_belief.h"
 
@@ -34,7 +35,8 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       functions_(find_landmark(models.landmark, models.point)),
       memory_(motion_memory(models, functions_)),
       loss_(make_loss(options.loss)),
-      graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get()},
+      graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get(),
+              noise_tells_scale(setup)},
              fixed_points(options.linearisation)),
       cameras_(graph_, truth_of(setup, options)),
       truth_(truth_of(setup, options), graph_, cameras_),

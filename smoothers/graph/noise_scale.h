@@ -1,0 +1,37 @@
+// What the camera's noise says of the scale, and leaving it out.
+//
+// The noise of a step is stated in metres: the linear part of r = L^-1 (x1 [-] f(x0)) grows with
+// the scale of the world. A smoother takes the most probable path, and |r|^2 is least for a small
+// world. A filter has no such preference: it integrates over all paths that the images allow, whose
+// volume grows with the scale. Known landmarks or depths hold a smoother's world against it. Where
+// only the first velocity tells the scale nothing does, and the noise is taken in units of the
+// speed: as sigma_a |v| / |v^|, where v^ is v at the estimate. That leaves r as it is, and of its
+// Jacobian takes what lies along the scale,
+//
+//   J_v1 := J_v1 - r v1' / (|v1|^2 + e^2),   of the linear part of r,
+//
+// e being the sigma of v1 in a step, below which no speed is known.
+#pragma once
+
+#include "estimation/estimator.h"
+#include "models/camera_state.h"
+
+namespace slammot {
+
+// False where no landmark is known and the spread of depths follows a mean that is estimated.
+inline bool noise_tells_scale(const Setup& setup) {
+  return !setup.known.empty() || !setup.prior.spread_follows_mean;
+}
+
+// `weight` is L^-1, `velocity` v1, and `J_to` the 12 x 12 Jacobian of r with respect to x1.
+inline void leave_out_scale(const Matrix12d& weight, const Eigen::Vector3d& velocity,
+                            const Vector12d& r, Matrix12d& J_to) {
+  const double sigma = 1.0 / weight(kVelocity, kVelocity);
+  const Eigen::RowVector3d of_scale =
+      velocity.transpose() / (velocity.squaredNorm() + sigma * sigma);
+  for (const int part : {kPosition, kVelocity}) {
+    J_to.block<3, 3>(part, kVelocity) -= r.segment<3>(part) * of_scale;
+  }
+}
+
+}  // namespace slammot

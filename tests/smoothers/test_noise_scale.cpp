@@ -1,0 +1,61 @@
+// A smoother's camera noise is no argument for a small world where only the first velocity tells
+// the scale.
+#include "smoothers/graph/noise_scale.h"
+
+#include <gtest/gtest.h>
+
+#include "datasets/simulation/scenario.h"
+#include "eval/run/run.h"
+#include "smoothers/graph/residuals.h"
+
+namespace slammot {
+namespace {
+
+TEST(NoiseScale, TellsItWhereSomethingElseHoldsTheWorld) {
+  struct Setup setup;
+  EXPECT_TRUE(noise_tells_scale(setup));  // depths are stated
+  setup.prior.spread_follows_mean = true;
+  EXPECT_FALSE(noise_tells_scale(setup));
+  setup.known.emplace_back();
+  EXPECT_TRUE(noise_tells_scale(setup));
+}
+
+// n: how positions, from the first one on, and velocities change with the scale.
+TEST(NoiseScale, TheJacobianIsZeroAlongTheScale) {
+  CameraState from, to;
+  from.position = {0.5, -0.2, 3.0};
+  from.velocity = {0.3, 0.1, 2.0};
+  to = predict(from, 0.1);
+  to.position += Eigen::Vector3d(0.02, -0.01, 0.03);
+  to.velocity += Eigen::Vector3d(-0.2, 0.1, 0.4);
+  const Matrix12d weight = square_root_information(camera_noise({1.0, 0.5}, from, 0.1));
+  Matrix12d J_from, J_to;
+  const Vector12d r = camera_motion_residual(weight, 0.1, from, to, &J_from, &J_to);
+  Vector12d n_from = Vector12d::Zero(), n_to = Vector12d::Zero();
+  n_from << from.position, Eigen::Vector3d::Zero(), from.velocity, Eigen::Vector3d::Zero();
+  n_to << to.position, Eigen::Vector3d::Zero(), to.velocity, Eigen::Vector3d::Zero();
+  EXPECT_LT((J_from * n_from + J_to * n_to - r).norm(), 1e-9 * r.norm());
+  leave_out_scale(weight, to.velocity, r, J_to);
+  EXPECT_LT((J_from * n_from + J_to * n_to).norm(), 0.01 * r.norm());  // but for e
+}
+
+// The length of a path whose scale is stated to 10%. With the noise as an argument it is 0.64 to
+// 0.67 of the true one.
+TEST(NoiseScale, TheWorldDoesNotBecomeSmall) {
+  for (const std::uint64_t seed : {9300, 9301, 9302}) {
+    const Sequence sequence = simulate("model_matched", {{"known", "0"}, {"frames", "120"}}, seed);
+    Configuration configuration;
+    configuration.prior.spread = PriorSpread::kRelative;
+    const RunResult run = run_estimator(sequence, configuration, "window");
+    double length = 0.0, true_length = 0.0;
+    for (std::size_t i = 1; i < run.filtered.size(); ++i) {
+      length += (run.filtered[i].state.position - run.filtered[i - 1].state.position).norm();
+      true_length += (sequence.truth[i]->position - sequence.truth[i - 1]->position).norm();
+    }
+    EXPECT_GT(length / true_length, 0.75) << seed;
+    EXPECT_LT(length / true_length, 1.5) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace slammot
