@@ -35,7 +35,8 @@ concept PointParametrisation = requires(const Eigen::Vector3d& y, const Eigen::V
   // where there are several. A template too. The Jacobian with respect to (g, rho).
   { P::of(g, rho, y) } -> std::convertible_to<Eigen::Vector3d>;
   { P::of_jacobian(g, rho) } -> std::convertible_to<Matrix34d>;
-  // Whether there is such a y, with a Jacobian.
+  // Whether there is such a y, with a Jacobian. Where there is none at rho = 0, smoothers limit
+  // the steps of far points.
   { P::exists(g, rho) } -> std::convertible_to<bool>;
 };
 

@@ -120,6 +120,12 @@ class Graph {
   // leave it out and solve again.
   bool is_at_pole(const GraphPixel& pixel) const;
 
+  // Shortens the steps of y where points lack infinity (limited_step); true when one was shortened
+  // by the factor. A landmark's least inverse depth [1/m] is a hundredth of its birth's mean, 0
+  // where the prior holds the birth.
+  bool limit_step();
+  double farthest(const GraphLandmark& landmark) const;
+
   // What is true at x [+] step. Nothing is changed but Variable::candidate.
   StepOutcome try_step();
 

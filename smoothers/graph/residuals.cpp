@@ -1,5 +1,7 @@
 #include "smoothers/graph/residuals.h"
 
+#include <algorithm>
+
 #include <Eigen/Cholesky>
 #include <stdexcept>
 
@@ -68,6 +70,17 @@ DepthResidual depth_residual(const DepthSpread& spread, double rho, double mean)
   const double share = !follows ? 1.0 : is_least ? kLeast : mean / spread.about;
   const double sigma = spread.sigma * share, r = (rho - mean) / sigma;
   return {r, 1.0 / sigma, follows && !is_least ? -1.0 / sigma - r / mean : -1.0 / sigma};
+}
+
+LimitedStep limited_step(const PointFunctions& point, const Eigen::Vector3d& y,
+                         const Eigen::Vector3d& step, double farthest) {
+  constexpr double kLargestRatio = 2.718281828459045;
+  const Eigen::Vector3d to = y + step;
+  const double from = point.inverse_depth(y), asked = point.inverse_depth(to) / from;
+  const double by_factor = std::clamp(asked, 1.0 / kLargestRatio, kLargestRatio);
+  const double ratio = std::max(by_factor, std::min(farthest / from, 1.0));
+  if (ratio == asked) return {step};
+  return {point.of(point.ray(to).direction, ratio * from, to) - y, ratio == by_factor};
 }
 
 std::optional<KnownResidual> known_residual(const PointFunctions& point, const KnownLandmark& known,

@@ -67,6 +67,21 @@ struct DepthResidual {
 };
 DepthResidual depth_residual(const DepthSpread& spread, double rho, double mean);
 
+// Whether a parametrisation has no y at infinity. Far away, a step of such a point hardly changes
+// its pixels or the cost of its birth, and nothing would determine it there.
+inline bool lacks_infinity(const PointFunctions& point) {
+  return !point.exists(Eigen::Vector3d::UnitZ(), 0.0);
+}
+
+// The step from y of such a point, shortened: rho changes by a factor of e at most, and does not
+// fall below `farthest` [1/m] (0: no limit). The direction of the point is that of y + step.
+struct LimitedStep {
+  Eigen::Vector3d step;
+  bool is_short = false;  // by the factor
+};
+LimitedStep limited_step(const PointFunctions& point, const Eigen::Vector3d& y,
+                         const Eigen::Vector3d& step, double farthest);
+
 // (a + G/rho - X) / sigma of a landmark known beforehand; nothing at rho = 0.
 struct KnownResidual {
   Eigen::Vector3d r;

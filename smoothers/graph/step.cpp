@@ -51,6 +51,26 @@ LandmarkVector next_step(const ChainStep& step, const LandmarkVector& dx) {
 
 }  // namespace
 
+bool Graph::limit_step() {
+  if (!lacks_infinity(models_.point())) return false;
+  bool is_short = false;
+  for (const GraphLandmark& l : landmarks) {
+    Variable& v = variables[l.y];
+    if (!l.is_alive || !v.is_active) continue;
+    const LimitedStep limited = limited_step(models_.point(), v.value, v.step, farthest(l));
+    v.step = limited.step;
+    is_short |= limited.is_short;
+  }
+  return is_short;
+}
+
+double Graph::farthest(const GraphLandmark& l) const {
+  constexpr double kFarthest = 0.01;  // over the birth's mean
+  if (l.birth.kind == BirthPrior::Kind::kDepth) return kFarthest * l.birth.inverse_depth;
+  if (l.birth.kind != BirthPrior::Kind::kSharedDepth) return 0.0;
+  return kFarthest * variables[l.birth.scene].value(0);
+}
+
 double StepOutcome::linearisation_error() const {
   return residuals > 0 ? std::sqrt(error_square / residuals) : 0.0;
 }

@@ -88,6 +88,10 @@ class Builder {
   }
 
   void add_landmark(GraphLandmark& l) {
+    const PointFunctions& point = graph_.models().point();
+    if (lacks_infinity(point)) {
+      problem_->SetManifold(value(l.y), new FarPointManifold(point, graph_.farthest(l)));
+    }
     add_birth(l);
     if (l.w_sigmas.size() > 0) {
       add_gaussian(value(l.w), Eigen::VectorXd::Zero(l.w_sigmas.size()), l.w_sigmas);

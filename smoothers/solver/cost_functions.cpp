@@ -301,6 +301,27 @@ bool OrientationManifold::MinusJacobian(const double* x, double* jacobian) const
   return true;
 }
 
+bool FarPointManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
+  Eigen::Map<Eigen::Vector3d>(x_plus_delta, 3) =
+      Block3(x) + limited_step(point_, Block3(x), Block3(delta), farthest_).step;
+  return true;
+}
+
+bool FarPointManifold::Minus(const double* y, const double* x, double* y_minus_x) const {
+  Eigen::Map<Eigen::Vector3d>(y_minus_x, 3) = Block3(y) - Block3(x);
+  return true;
+}
+
+bool FarPointManifold::PlusJacobian(const double*, double* jacobian) const {
+  Eigen::Map<RowMajor<3, 3>>(jacobian, 3, 3).setIdentity();
+  return true;
+}
+
+bool FarPointManifold::MinusJacobian(const double*, double* jacobian) const {
+  Eigen::Map<RowMajor<3, 3>>(jacobian, 3, 3).setIdentity();
+  return true;
+}
+
 Cost initial_camera_cost(const InitialCamera& initial) {
   return std::make_unique<InitialCameraCost>(initial);
 }

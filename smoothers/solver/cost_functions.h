@@ -26,6 +26,24 @@ class OrientationManifold final : public ceres::Manifold {
   bool MinusJacobian(const double* x, double* jacobian) const override;
 };
 
+// y of a point that lacks infinity: steps are limited (residuals.h). Small ones are not changed,
+// but for those that lead beyond `farthest`.
+class FarPointManifold final : public ceres::Manifold {
+ public:
+  FarPointManifold(const PointFunctions& point, double farthest)
+      : point_(point), farthest_(farthest) {}
+  int AmbientSize() const override { return 3; }
+  int TangentSize() const override { return 3; }
+  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override;
+  bool PlusJacobian(const double* x, double* jacobian) const override;
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override;
+  bool MinusJacobian(const double* x, double* jacobian) const override;
+
+ private:
+  const PointFunctions& point_;
+  double farthest_;
+};
+
 using Cost = std::unique_ptr<ceres::CostFunction>;
 
 // Blocks: position, orientation, rates; of both cameras.

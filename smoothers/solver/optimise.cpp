@@ -45,7 +45,8 @@ std::optional<Optimiser::Step> Optimiser::find_step(Graph& graph, const GraphCam
     NormalEquations& equations = damping > 0.0 ? damped_ : equations_;
     equations.factorise(graph, camera, damping);
     equations.solve(graph);
-    Step step{graph.try_step(), damping > 0.0};
+    const bool is_limited = graph.limit_step();
+    Step step{graph.try_step(), is_limited || damping > 0.0};
     if (!raises_cost(step.outcome)) return step;
     if (is_last) break;
     for (int k = 0; k < halvings; ++k) {
@@ -97,6 +98,7 @@ void Optimiser::take_step(Graph& graph, const GraphCamera& camera) {
   const double before = graph.try_step().cost();
   equations_.factorise(graph, camera);
   equations_.solve(graph);
+  if (rule_ == StepRule::kDescent) graph.limit_step();
   const bool takes_any = rule_ == StepRule::kEvery || graph.fixed_points();
   for (int i = 0; !takes_any && graph.try_step().cost() > before + kRounding; ++i) {
     if (i == kTries) {

@@ -22,8 +22,9 @@ class Optimiser {
   // rule does not depend on the number of measurements, as a decrease of chi-square would.
   //
   // A step of Gauss-Newton that raises the cost is not taken but halved, and then tried again with
-  // more damping (Marquardt 1963). A single iteration is taken whatever the cost says, as in an
-  // EKF, and so are all steps with StepRule::kEvery. Throws Diverged as NormalEquations does.
+  // more damping (Marquardt 1963). Steps to far points are limited (Graph::limit_step). A single
+  // iteration is taken whatever the cost says, as in an EKF, and so are all steps with
+  // StepRule::kEvery. Throws Diverged as NormalEquations does.
   void operator()(Graph& graph, const GraphCamera& camera, int iterations, double tolerance);
 
   // One step from the stored linearisation. One that raises the cost is halved until it does not,
@@ -39,7 +40,7 @@ class Optimiser {
  private:
   struct Step {
     StepOutcome outcome;
-    bool is_short = false;  // halved or damped
+    bool is_short = false;  // halved, damped or limited
   };
   std::optional<Step> find_step(Graph& graph, const GraphCamera& camera, double before,
                                 double tolerance, bool is_last, double& damping);
