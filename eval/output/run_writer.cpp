@@ -95,7 +95,7 @@ void write_predictions(std::ostream& out, const std::vector<PredictionRecord>& p
 }
 
 void write_classification(std::ostream& out, const std::vector<ClassificationRecord>& records) {
-  out << "# landmarks that had to be classified: not those known or of the first frame;\n"
+  out << "# landmarks that had to be classified: not those known beforehand or static by rule;\n"
       << "# observations: used until the decision, or in all where there is none\n"
       << "track,truth,label,frame,observations\n";
   for (const ClassificationRecord& r : records) {

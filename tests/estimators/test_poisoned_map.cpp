@@ -69,10 +69,7 @@ TEST_P(PoisonedMap, OneWrongLabelIsTakenBack) {
   // One that goes along its line of sight may pass for static again.
   EXPECT_LE(reversible.labels[Label::kStatic], 1);
   EXPECT_GT(reversible.labels[Label::kMoving], reversible.labels[Label::kStatic]);
-  // The EKF ends 1.3 times as far off as when it is told.
-  if (GetParam() == "window") {
-    EXPECT_LT(reversible.error, 1.2 * told.error);
-  }
+  EXPECT_LT(reversible.error, 1.2 * told.error);
 }
 
 TEST_P(PoisonedMap, AThirdOfTheMapIsFoundOut) {
@@ -80,10 +77,7 @@ TEST_P(PoisonedMap, AThirdOfTheMapIsFoundOut) {
   print("reversible", reversible.labels, reversible.error);
   print("told", told.labels, told.error);
   EXPECT_GT(reversible.labels[Label::kMoving], 5 * reversible.labels[Label::kStatic]);
-  // The EKF ends 1.5 times as far off as when it is told: some movers stay among the static.
-  if (GetParam() == "window") {
-    EXPECT_LT(reversible.error, 1.2 * told.error);
-  }
+  EXPECT_LT(reversible.error, 1.2 * told.error);
 }
 
 TEST_P(PoisonedMap, AThirdOfTheMapCostsMoreWhereLabelsAreOneWay) {
