@@ -101,20 +101,29 @@ void Ekf::predict_pixels(std::span<const int> tracks, std::vector<Prediction>& r
   }
 }
 
-// One update for all. `delayed`: what is not classified yet moves only itself, after the others.
+// Depth and velocity of a mover stay uncertain for long, and move. What it says about the camera
+// through Jacobians taken there is overconfident (docs/consistency.md, "Movers and the camera").
+bool Ekf::moves_alone(Label label, std::ptrdiff_t static_measurements) const {
+  if (label == Label::kUnknown) return options_.delayed;
+  const bool relies_on_static = options_.static_enough > 0 &&
+                                linearisation_.movers_may_move_alone() &&
+                                static_measurements >= options_.static_enough;
+  return relies_on_static && label == Label::kMoving;
+}
+
+// One update for all, but for what moves only its own landmark, after the others.
 void Ekf::update(const TrackRecords& records, std::span<const Observation> accepted,
                  StageListener& /*stages*/) {
   const double variance = setup_.pixel_sigma * setup_.pixel_sigma;
   for (const Observation& z : accepted) state_.landmarks.at(z.track).last_used = frames_;
-  keep(accepted, innovation_);
+  const auto label = [&](const Observation& z) { return records.at(z.track).label; };
+  const auto static_measurements = std::ranges::count(accepted, Label::kStatic, label);
+  counting_.clear();
   pending_.clear();
-  if (options_.delayed) {
-    counting_.clear();
-    for (const Observation& z : accepted) {
-      (records.at(z.track).label == Label::kUnknown ? pending_ : counting_).push_back(z);
-    }
-    linearise(state_, linearisation_, setup_.camera, counting_, innovation_);
+  for (const Observation& z : accepted) {
+    (moves_alone(label(z), static_measurements) ? pending_ : counting_).push_back(z);
   }
+  keep(counting_, innovation_);
   slammot::update(state_, linearisation_, setup_.camera, variance, options_.iterations,
                   innovation_);
   for (const Observation& z : pending_) {

@@ -58,6 +58,8 @@ class Ekf final : public Belief {
   bool add_seen(const Candidate& candidate);
   bool use_past(int track, const FilterPose& pose, const Eigen::Vector2d& pixel);
 
+  bool moves_alone(Label label, std::ptrdiff_t static_measurements) const;
+
   // ekf_passive.cpp: what of the map is updated at once, with the option `deferred`.
   void divide(const Frame& frame);
   void deactivate();

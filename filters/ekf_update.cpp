@@ -1,6 +1,9 @@
 #include "filters/ekf_update.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
+
+#include <cassert>
 
 #include "filters/second_order.h"
 
@@ -218,6 +221,7 @@ void keep(std::span<const Observation> accepted, Innovation& z) {
   auto P_Ht = *z.P_Ht;
   std::size_t kept = 0;
   for (std::size_t i = 0; kept < accepted.size(); ++i) {
+    assert(i < z.matches.size());
     if (z.matches[i].track != accepted[kept].track) continue;
     if (kept < i) {
       z.matches[kept] = z.matches[i];
@@ -272,26 +276,30 @@ void nis_given_others(Innovation& z, std::vector<double>& nis) {
 
 void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,
                   const Observation& match, double pixel_variance, Innovation& memory) {
+  constexpr int kMost = JointCovariance::kLargestBlock;
+  using Gain = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::ColMajor, kMost, 2>;
+  using Own = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1>;
   linearise(state, linearisation, camera, {&match, 1}, memory);
-  if (memory.rows() == 0) return;
+  if (memory.rows() == 0) return;  // the others have moved it out of view
   fill_HPHt(state, memory, memory.S);
   (*memory.S).diagonal().array() += pixel_variance;
   const Eigen::Matrix2d S = Eigen::Matrix2d(*memory.S).selfadjointView<Eigen::Lower>();
-  const FilterLandmark& landmark = state.landmarks.at(match.track);
-  const auto P_Ht = *memory.P_Ht;
-  Eigen::VectorXd dx = Eigen::VectorXd::Zero(P_Ht.rows());
-  Eigen::MatrixXd K(landmark.dim(), 2);
-  K << P_Ht.middleRows(landmark.y_block.offset, landmark.y_block.dim),
-      P_Ht.middleRows(landmark.w_block.offset, landmark.w_block.dim);
-  K *= S.inverse();
-  state.covariance.subtract_alone({landmark.y_block, landmark.w_block}, P_Ht * K.transpose(),
-                                  K * S * K.transpose());
-  const Eigen::VectorXd own = K * memory.nu.front();
-  dx.segment<3>(landmark.y_block.offset) = own.head<3>();
-  if (landmark.is_free()) {
-    dx.segment(landmark.w_block.offset, landmark.w_block.dim) = own.tail(landmark.w_block.dim);
+  if (S.llt().info() != Eigen::Success) {
+    throw Diverged("the innovation covariance is not positive definite");
   }
-  state.move(dx);
+  FilterLandmark& landmark = state.landmarks.at(match.track);
+  const StateBlock y = landmark.y_block, w = landmark.w_block;
+  const auto P_Ht = *memory.P_Ht;
+  Gain K(landmark.dim(), 2);
+  K << P_Ht.middleRows(y.offset, y.dim), P_Ht.middleRows(w.offset, w.dim);
+  K *= S.inverse();
+  const Own dx = K * memory.nu.front();
+  if (!dx.allFinite()) throw Diverged("the correction of the state is not finite");
+  memory.columns.resize(P_Ht.rows(), K.rows());
+  *memory.columns = P_Ht.lazyProduct(K.transpose());
+  state.covariance.subtract_alone({y, w}, *memory.columns, K * S * K.transpose());
+  landmark.y += dx.head<3>();
+  if (landmark.is_free()) landmark.w += dx.tail(w.dim);
 }
 
 }  // namespace slammot

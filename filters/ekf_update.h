@@ -45,13 +45,13 @@ void keep(std::span<const Observation> accepted, Innovation& innovation);
 void update(JointState& state, const Linearisation& linearisation, const Camera& camera,
             double pixel_variance, int iterations, Innovation& innovation);
 
-// After update(): the NIS of each measurement given all the others of the frame, its leave-one-out
-// innovation. With a = S^-1 nu and B = S^-1, a_i' B_ii^-1 a_i (mathematics.md): what all of them
-// share, above all the camera's motion, is not in it.
+// After update(): the NIS of each of its measurements given all the others of them, its
+// leave-one-out innovation. With a = S^-1 nu and B = S^-1, a_i' B_ii^-1 a_i (mathematics.md): what
+// all of them share, above all the camera's motion, is not in it.
 void nis_given_others(Innovation& innovation, std::vector<double>& nis);
 
 // A measurement that moves only its own landmark, the rest of the state being considered but not
-// corrected (Schmidt's gain): what a delayed initialisation would know of it.
+// corrected (Schmidt's gain, 1966).
 void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,
                   const Observation& match, double pixel_variance, Innovation& memory);
 

@@ -42,6 +42,10 @@ class Linearisation {
 
   bool at_truth() const { return kind_ == Kind::kIdeal; }
 
+  // Whether movers may correct themselves alone (EkfOptions::static_enough): `invariant` changes
+  // the coordinates of all with each update, and Jacobians at the truth need no such care.
+  bool movers_may_move_alone() const { return kind_ == Kind::kStandard || kind_ == Kind::kFej; }
+
   bool has_second_order() const { return second_order_ && !at_truth(); }
 
   const PointFunctions& point() const { return functions_.point; }

@@ -284,6 +284,10 @@ std::vector<ConfigurationKey> estimator_keys() {
              SLAMMOT_FIELD(ekf.iterations)),
       number("ekf.lag", "past poses that stay in the state, to be corrected by later frames",
              kPastPoses, SLAMMOT_FIELD(ekf.lag)),
+      number("ekf.static_enough",
+             "so many static landmarks measured, and moving ones correct only themselves; 0: never "
+             "(thesis). Not with ideal, invariant",
+             kNotNegative, SLAMMOT_FIELD(ekf.static_enough)),
       flag("ekf.second_order",
            "noise for the product of a static landmark's depth and the camera's translation",
            SLAMMOT_FIELD(ekf.second_order)),

@@ -232,8 +232,8 @@ void JointCovariance::subtract_outer(StateBlock b, Eigen::Ref<const Eigen::Matri
   subtract_outer({middle, rest}, W);
 }
 
-void JointCovariance::subtract_alone(std::initializer_list<StateBlock> b, const Eigen::MatrixXd& C,
-                                     const Block& D) {
+void JointCovariance::subtract_alone(std::initializer_list<StateBlock> b,
+                                     Eigen::Ref<const Eigen::MatrixXd> C, const Block& D) {
   gather(b);
   const Block own = symmetric(rows_of(b, *gathered_) - D);
   *gathered_ -= C;

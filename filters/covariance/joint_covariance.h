@@ -88,7 +88,7 @@ class JointCovariance {
   void subtract_outer(Eigen::Ref<const Eigen::MatrixXd> W);
 
   // P[:, b] := P[:, b] - C with its mirror, and P[b, b] := P[b, b] - D: what corrects b alone.
-  void subtract_alone(std::initializer_list<StateBlock> b, const Eigen::MatrixXd& C,
+  void subtract_alone(std::initializer_list<StateBlock> b, Eigen::Ref<const Eigen::MatrixXd> C,
                       const Block& D);
 
   // Cuts out a block; the rows behind it move up. Copies all of them: remove() does not.

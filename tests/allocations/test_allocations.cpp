@@ -72,6 +72,7 @@ void expect_no_allocation(Estimator& estimator, const Setup& setup) {
     if (index == 0) first = here;
     if (index < 60 || grown || report.admitted > 0 || !report.retired.empty()) continue;
     ASSERT_GE(report.accepted, 30) << "frame " << index;
+    ASSERT_GT(report.accepted, report.accepted_static) << "frame " << index;
     warm += here;
     ++counted;
   }

@@ -145,6 +145,7 @@ struct Outcome {
 Outcome outcome(const Sequence& sequence, const std::string& estimator, bool adaptive) {
   Configuration configuration;
   configuration.model.adaptive_motion = adaptive;
+  configuration.ekf.static_enough = 0;  // docs/consistency.md, "Movers and the camera", has both
   const RunResult run = run_estimator(sequence, configuration, estimator);
   Outcome result;
   EXPECT_FALSE(run.diverged);

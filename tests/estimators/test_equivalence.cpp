@@ -94,7 +94,8 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
   one.frames = 1;
   one.iterations = 1;
   one.linearisation = WindowLinearisation::kStandard;
-  const auto ekf = make_ekf(setup, models, {.second_order = false});  // a window relinearises
+  const auto ekf = make_ekf(setup, models,
+                            {.static_enough = 0, .second_order = false});  // a window relinearises
   const auto window = make_window(setup, models, one);
   ekf->keep_predictions();
   window->keep_predictions();
@@ -219,6 +220,7 @@ TEST(ManySteps, MakeItTheIteratedEkf) {
   // damping).
   EkfOptions iterated;
   iterated.iterations = 30;
+  iterated.static_enough = 0;
   iterated.second_order = false;
   WindowOptions one;
   one.frames = 1;

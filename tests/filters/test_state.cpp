@@ -199,23 +199,61 @@ TEST(RemoveLandmarks, LeavesTheMarginalOfTheRest) {
   EXPECT_TRUE(marginal() == before);
 }
 
-TEST(UpdateAlone, MovesNothingButItsLandmark) {
-  JointState state = scene(1);
+// A free landmark among static ones, of which one's motion is remembered, a clone and a scene: P
+// as of the textbook's (I - K H) P (I - K H)' + K R K', with the rows of the gain that are not the
+// landmark's at zero.
+TEST(UpdateAlone, IsTheJosephFormWithTheLandmarksRowsOfTheGain) {
+  constexpr int kTrack = 1, kHeld = 2;
+  constexpr double kVariance = 1.5;
+  JointState state = scene(2);
+  state.scene = {0.2, state.covariance.append({}, Eigen::MatrixXd::Constant(1, 1, 0.01))};
+  state.clones.emplace_back().block = state.covariance.append({}, Matrix6d::Zero());
+  state.free_motion(kTrack, MotionVector::Constant(3, 0.1));
   for (unsigned k = 1; k <= 3; ++k) step(state, pixels_of(state, k));
-  const CameraState camera = state.camera;
-  const Matrix12d P = state.covariance.block(JointState::kCamera, JointState::kCamera);
-  const StateBlock own = state.landmarks.at(1).y_block;
-  const double before = state.covariance.block(own, own).trace();
+  Matrix6d F = Matrix6d::Identity();  // so that w is correlated with y, and so with the pixel
+  F.topRightCorner<3, 3>().diagonal().setConstant(0.1);
+  state.covariance.propagate(
+      {state.landmarks.at(kTrack).y_block, state.landmarks.at(kTrack).w_block}, F,
+      Matrix6d::Zero());
+  state.clone_pose(state.clones.front());
+  state.free_motion(kHeld, MotionVector::Constant(3, 0.1));
+  const int n = state.covariance.size();
+  state.hold_motion(kHeld, Eigen::MatrixXd::Constant(n, 3, 0.01), Eigen::Matrix3d::Identity(),
+                    Eigen::Vector3d(0.1, 0.2, 0.3));
+  const JointState before = state;
+  const Observation z = pixels_of(state, 9)[kTrack];
   Innovation memory;
-  update_alone(state, kStandard, pinhole(), pixels_of(state, 9)[1], 1.0, memory);
-  EXPECT_EQ(boxminus(state.camera, camera).norm(), 0.0);
-  EXPECT_EQ(state.covariance.block(JointState::kCamera, JointState::kCamera), P);
-  EXPECT_LT(state.covariance.block(own, own).trace(), before);
-  EXPECT_GT(Eigen::MatrixXd(state.covariance.dense())
-                .selfadjointView<Eigen::Lower>()
-                .eigenvalues()
-                .minCoeff(),
-            -1e-15);
+  update_alone(state, kStandard, pinhole(), z, kVariance, memory);
+
+  Innovation plain;
+  linearise(before, kStandard, pinhole(), {&z, 1}, plain);
+  const FilterLandmark& landmark = before.landmarks.at(kTrack);
+  const Eigen::MatrixXd P = before.covariance.dense();
+  const int size = static_cast<int>(P.rows());
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(2, size), K = Eigen::MatrixXd::Zero(size, 2);
+  H.leftCols<6>() = plain.predicted[0].J_pose;
+  H.middleCols<3>(before.anchors.at(landmark.anchor).block.offset) = plain.predicted[0].J_anchor;
+  H.middleCols<3>(landmark.y_block.offset) = plain.predicted[0].J_y;
+  const Eigen::Matrix2d R = kVariance * Eigen::Matrix2d::Identity();
+  const Eigen::MatrixXd full = P * H.transpose() * (H * P * H.transpose() + R).inverse();
+  for (const StateBlock b : {landmark.y_block, landmark.w_block}) {
+    K.middleRows(b.offset, b.dim) = full.middleRows(b.offset, b.dim);
+  }
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(size, size) - K * H;
+  const Eigen::MatrixXd expected = A * P * A.transpose() + K * R * K.transpose();
+  EXPECT_LT((state.covariance.dense() - expected).norm(), 1e-13 * P.norm());
+  EXPECT_GT((state.covariance.dense() - P).norm(), 1e-4 * P.norm());
+
+  const Eigen::VectorXd dx = K * plain.nu[0];
+  const FilterLandmark& after = state.landmarks.at(kTrack);
+  EXPECT_LT((after.y - landmark.y - dx.segment<3>(landmark.y_block.offset)).norm(), 1e-14);
+  EXPECT_LT((after.w - landmark.w - dx.segment<3>(landmark.w_block.offset)).norm(), 1e-14);
+  EXPECT_GT(dx.segment<3>(landmark.w_block.offset).norm(), 1e-6);
+  EXPECT_EQ(boxminus(state.camera, before.camera).norm(), 0.0);
+  EXPECT_EQ(state.landmarks.at(kHeld).held, before.landmarks.at(kHeld).held);
+  EXPECT_EQ(state.landmarks.at(0).y, before.landmarks.at(0).y);
+  EXPECT_EQ(state.scene->inverse_depth, before.scene->inverse_depth);
+  EXPECT_EQ(state.clones.front().position, before.clones.front().position);
 }
 
 Eigen::MatrixXd some_covariance(int n) {
