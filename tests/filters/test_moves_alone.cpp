@@ -1,7 +1,6 @@
 // Landmarks labelled moving correct nothing but themselves where enough static ones are measured.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,6 +8,7 @@
 #include "datasets/simulation/scenario.h"
 #include "eval/configuration/setup.h"
 #include "filters/ekf.h"
+#include "tests/filters/pose_nees.h"
 
 namespace slammot {
 namespace {
@@ -97,16 +97,7 @@ double mean_nees(std::uint64_t seed, int static_enough) {
   configuration.ekf.static_enough = static_enough;
   const slammot::Setup setup = make_setup(sequence, configuration);
   const auto ekf = make_ekf(setup, configuration.model, configuration.ekf);
-  NoStages stages;
-  double sum = 0.0;
-  for (const Frame& frame : sequence.frames) {
-    ekf->process(frame, stages);
-    const CameraEstimate x = ekf->camera();
-    const Vector12d e = boxminus(*sequence.truth[static_cast<std::size_t>(frame.index)], x.state);
-    const Matrix6d P = x.covariance.topLeftCorner<6, 6>();
-    sum += e.head<6>().dot(P.ldlt().solve(e.head<6>()));
-  }
-  return sum / static_cast<double>(sequence.frames.size());
+  return mean_pose_nees(*ekf, sequence);
 }
 
 // The seeds are the first there are. On 50 others: docs/consistency.md, "Movers and the camera".

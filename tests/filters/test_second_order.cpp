@@ -10,6 +10,7 @@
 #include "filters/ekf.h"
 #include "filters/second_order.h"
 #include "models/landmarks/landmark_models.h"
+#include "tests/filters/pose_nees.h"
 
 namespace slammot {
 namespace {
@@ -63,16 +64,7 @@ double nees_at_the_start(std::uint64_t seed, bool second_order) {
   setup.initial.state.velocity.setZero();
   setup.initial.state.angular_velocity.setZero();
   const auto ekf = make_ekf(setup, configuration.model, configuration.ekf);
-  NoStages stages;
-  double sum = 0.0;
-  for (const Frame& frame : sequence.frames) {
-    ekf->process(frame, stages);
-    const CameraEstimate x = ekf->camera();
-    const Vector12d e = boxminus(*sequence.truth[static_cast<std::size_t>(frame.index)], x.state);
-    const Eigen::Matrix<double, 6, 6> P = x.covariance.topLeftCorner<6, 6>();
-    sum += e.head<6>().dot(P.ldlt().solve(e.head<6>()));
-  }
-  return sum / static_cast<double>(sequence.frames.size());
+  return mean_pose_nees(*ekf, sequence);
 }
 
 TEST(SecondOrder, ClaimsLessWhereMotionAndDepthsAreUnknown) {
