@@ -108,6 +108,22 @@ std::optional<std::string> hardly_any_is_static(const Sums& s) {
                      100.0 * s.accepted_static / s.accepted, s.frames);
 }
 
+// A frame that measures landmarks, none of them static, after one that measured enough: then
+// nothing ties the camera to the map before, and labels that come later agree with whatever it did.
+std::optional<RunWarning> nothing_static(const RunResult& run) {
+  bool has_seen = false;
+  for (std::size_t i = 0; i < run.counts.size(); ++i) {
+    const FrameCounts& c = run.counts[i];
+    if (has_seen && c.accepted > 0 && c.accepted_static == 0) {
+      return RunWarning{run.frames[i],
+                        "of the landmarks in view none is static: what it had called static was "
+                        "lost or taken back, and nothing ties the camera to the map before"};
+    }
+    has_seen = has_seen || c.accepted_static >= kLeastStatic;
+  }
+  return std::nullopt;
+}
+
 // Through frames in most of which all that it used lies on one line of the image, or in one point.
 std::optional<RunWarning> all_on_one_line(const RunResult& run) {
   for (std::size_t i = 0; i + kFrames <= run.ray_spread.size(); ++i) {
@@ -194,6 +210,7 @@ std::vector<RunWarning> self_check(const RunResult& run, std::span<const Rotatio
   check(kBurst, most_are_rejected_at_once);
   check(kFrames, nothing_is_used);
   check(kFrames, hardly_any_is_static);
+  if (auto warning = nothing_static(run)) warnings.push_back(std::move(*warning));
   if (auto warning = all_on_one_line(run)) warnings.push_back(std::move(*warning));
   if (auto warning = time_jumps(run)) warnings.push_back(std::move(*warning));
   if (auto warning = rotation_is_wrong(rotations)) warnings.push_back(std::move(*warning));

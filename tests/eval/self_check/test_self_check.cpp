@@ -103,6 +103,25 @@ TEST(SelfCheck, FewStaticInView) {
   EXPECT_THAT(only_reason(run_of(bad, 20)), HasSubstr("static landmarks in view in 16 of 30"));
 }
 
+TEST(SelfCheck, NothingStaticInView) {
+  FrameCounts bad = kGood;
+  bad.accepted_static = 0;
+  RunResult run = run_of(kGood, 0);
+  run.counts[30] = bad;
+  EXPECT_THAT(only_reason(run), HasSubstr("none is static"));
+  EXPECT_EQ(self_check(run).front().frame, 30);
+}
+
+// Before labels are found, and through frames that measure nothing.
+TEST(SelfCheck, NothingStaticYetOrNothingAtAllIsNoReason) {
+  FrameCounts not_yet = kGood;
+  not_yet.accepted_static = 0;
+  RunResult run = run_of(kGood, 0);
+  for (std::size_t i = 0; i < 5; ++i) run.counts[i] = not_yet;
+  run.counts[40] = FrameCounts{};
+  EXPECT_TRUE(self_check(run).empty());
+}
+
 // Where the camera turns into a part of the scene that is full of movers.
 TEST(SelfCheck, FewStaticInMostFrames) {
   FrameCounts bad = kGood;
