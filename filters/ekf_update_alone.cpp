@@ -1,0 +1,36 @@
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "filters/ekf_update.h"
+
+namespace slammot {
+
+void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,
+                  const Observation& match, double pixel_variance, Innovation& memory) {
+  constexpr int kMost = JointCovariance::kLargestBlock;
+  using Gain = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::ColMajor, kMost, 2>;
+  using Own = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1>;
+  linearise(state, linearisation, camera, {&match, 1}, memory);
+  if (memory.rows() == 0) return;  // the others have moved it out of view
+  fill_HPHt(state, memory, memory.S);
+  (*memory.S).diagonal().array() += pixel_variance;
+  const Eigen::Matrix2d S = Eigen::Matrix2d(*memory.S).selfadjointView<Eigen::Lower>();
+  if (S.llt().info() != Eigen::Success) {
+    throw Diverged("the innovation covariance is not positive definite");
+  }
+  FilterLandmark& landmark = state.landmarks.at(match.track);
+  const StateBlock y = landmark.y_block, w = landmark.w_block;
+  const auto P_Ht = *memory.P_Ht;
+  Gain K(landmark.dim(), 2);
+  K << P_Ht.middleRows(y.offset, y.dim), P_Ht.middleRows(w.offset, w.dim);
+  K *= S.inverse();
+  const Own dx = K * memory.nu.front();
+  if (!dx.allFinite()) throw Diverged("the correction of the state is not finite");
+  memory.columns.resize(P_Ht.rows(), K.rows());
+  *memory.columns = P_Ht.lazyProduct(K.transpose());
+  state.covariance.subtract_alone({y, w}, *memory.columns, K * S * K.transpose());
+  landmark.y += dx.head<3>();
+  if (landmark.is_free()) landmark.w += dx.tail(w.dim);
+}
+
+}  // namespace slammot
