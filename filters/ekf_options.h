@@ -12,9 +12,10 @@ struct EkfOptions {
   // So many static landmarks measured in a frame, and those of moving ones move nothing but their
   // own landmark, in one step; 0: they always count (thesis). Not with `ideal` and `invariant`.
   int static_enough = 12;
-  int lag = 0;               // poses of past frames kept in the state, without relinearisation
-  bool second_order = true;  // noise of the product of depth and translation: second_order.h
-  bool deferred = false;     // the map out of view is updated when it is seen again: passive_map.h
+  bool equivariant_scale = true;  // an update keeps what is known of the scale: scale_error.h
+  int lag = 0;                    // poses of past frames kept in the state, without relinearisation
+  bool second_order = true;       // noise of the product of depth and translation: second_order.h
+  bool deferred = false;  // the map out of view is updated when it is seen again: passive_map.h
 };
 
 }  // namespace slammot

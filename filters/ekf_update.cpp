@@ -238,7 +238,7 @@ void keep(std::span<const Observation> accepted, Innovation& z) {
   z.P_Ht.keep_columns(z.rows());
 }
 
-void update(JointState& state, const Linearisation& linearisation, const Camera& camera,
+void update(JointState& state, Linearisation& linearisation, const Camera& camera,
             double pixel_variance, int iterations, Innovation& innovation) {
   if (innovation.rows() == 0) return;
   std::optional<Innovation> first;

@@ -42,7 +42,7 @@ void keep(std::span<const Observation> accepted, Innovation& innovation);
 // x and P after the measurements. `iterations` Gauss-Newton steps on the same prior (1: EKF); of
 // the innovation only the memory is left. Throws Diverged when S is not positive definite or the
 // correction not finite.
-void update(JointState& state, const Linearisation& linearisation, const Camera& camera,
+void update(JointState& state, Linearisation& linearisation, const Camera& camera,
             double pixel_variance, int iterations, Innovation& innovation);
 
 // After update(): the NIS of each of its measurements given all the others of them, its
@@ -52,7 +52,7 @@ void nis_given_others(Innovation& innovation, std::vector<double>& nis);
 
 // A measurement that moves only its own landmark, the rest of the state being considered but not
 // corrected (Schmidt's gain, 1966).
-void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,
+void update_alone(JointState& state, Linearisation& linearisation, const Camera& camera,
                   const Observation& match, double pixel_variance, Innovation& memory);
 
 }  // namespace slammot

@@ -5,7 +5,7 @@
 
 namespace slammot {
 
-void update_alone(JointState& state, const Linearisation& linearisation, const Camera& camera,
+void update_alone(JointState& state, Linearisation& linearisation, const Camera& camera,
                   const Observation& match, double pixel_variance, Innovation& memory) {
   constexpr int kMost = JointCovariance::kLargestBlock;
   using Gain = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::ColMajor, kMost, 2>;
@@ -27,10 +27,15 @@ void update_alone(JointState& state, const Linearisation& linearisation, const C
   const Own dx = K * memory.nu.front();
   if (!dx.allFinite()) throw Diverged("the correction of the state is not finite");
   memory.columns.resize(P_Ht.rows(), K.rows());
-  *memory.columns = P_Ht.lazyProduct(K.transpose());
-  state.covariance.subtract_alone({y, w}, *memory.columns, K * S * K.transpose());
+  auto C = *memory.columns;
+  C = P_Ht.lazyProduct(K.transpose());
+  JointCovariance::Block D = K * S * K.transpose();
+  ScaleError* const scale = linearisation.scale();
+  const LandmarkVector n = scale ? scale->direction(landmark) : LandmarkVector();
   landmark.y += dx.head<3>();
   if (landmark.is_free()) landmark.w += dx.tail(w.dim);
+  if (scale) scale->moved_alone(landmark, n, C, D);
+  state.covariance.subtract_alone({y, w}, C, D);
 }
 
 }  // namespace slammot

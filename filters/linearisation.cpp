@@ -9,13 +9,16 @@
 namespace slammot {
 
 Linearisation::Linearisation(const EkfOptions& options, const LandmarkFunctions& landmark,
-                             std::shared_ptr<const Truth> truth)
+                             const Setup& setup)
     : kind_(options.linearisation),
       second_order_(options.second_order),
       functions_(landmark),
-      truth_(std::move(truth)) {
+      truth_(setup.truth) {
   if (kind_ == Kind::kIdeal && !truth_) {
     throw std::invalid_argument("linearisation ideal needs the exact truth of a simulation");
+  }
+  if (options.equivariant_scale && kind_ == Kind::kStandard) {
+    scale_.emplace(landmark, !setup.known.empty());
   }
 }
 
@@ -159,8 +162,14 @@ void Linearisation::collapse(JointState& state, std::span<const int> tracks) con
   state.covariance.add_dependence({kRotation, 3}, B * state.camera.orientation.toRotationMatrix());
 }
 
-void Linearisation::correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx) const {
-  if (kind_ == Kind::kStandard) {
+void Linearisation::prepare_alone(const JointState& state) {
+  if (scale_) scale_->prepare(state);
+}
+
+void Linearisation::correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx) {
+  if (scale_) {
+    scale_->correct(state, dx);
+  } else if (kind_ == Kind::kStandard) {
     state.correct(dx);
   } else if (kind_ == Kind::kInvariant) {
     const JointState before{state.camera, state.scene, state.anchors, state.landmarks, {}, {}, {}};

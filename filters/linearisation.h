@@ -23,8 +23,10 @@
 #include <set>
 #include <span>
 
+#include "estimation/estimator.h"
 #include "filters/covariance/joint_state.h"
 #include "filters/ekf_options.h"
+#include "filters/scale_error.h"
 #include "models/landmarks/landmark_models.h"
 #include "models/points/initialisation.h"
 #include "models/truth.h"
@@ -34,8 +36,7 @@ namespace slammot {
 class Linearisation {
  public:
   // Throws std::invalid_argument for `ideal` without a truth.
-  Linearisation(const EkfOptions& options, const LandmarkFunctions& landmark,
-                std::shared_ptr<const Truth> truth);
+  Linearisation(const EkfOptions& options, const LandmarkFunctions& landmark, const Setup& setup);
 
   // Jacobians are taken at the estimate.
   bool at_estimate() const { return kind_ == Kind::kStandard || kind_ == Kind::kInvariant; }
@@ -72,7 +73,12 @@ class Linearisation {
 
   // x := x [+] dx after an update or a collapse. Only `standard` re-expresses P at the new
   // estimate: elsewhere its coordinates are those of the fixed points.
-  void correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx) const;
+  void correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx);
+
+  // Where errors of the scale are kept (scale_error.h), else none. `prepare`: before landmarks are
+  // corrected alone.
+  void prepare_alone(const JointState& state);
+  ScaleError* scale() { return scale_ ? &*scale_ : nullptr; }
 
  private:
   using Kind = FilterLinearisation;
@@ -85,6 +91,7 @@ class Linearisation {
   bool second_order_;
   const LandmarkFunctions& functions_;
   std::shared_ptr<const Truth> truth_;
+  std::optional<ScaleError> scale_;
   std::optional<CameraState> camera_;  // none before the first prediction: the estimate
   std::map<int, Eigen::Vector3d> anchors_;
   std::map<int, LandmarkVector> landmarks_;

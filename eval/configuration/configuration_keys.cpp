@@ -288,6 +288,9 @@ std::vector<ConfigurationKey> estimator_keys() {
              "so many static landmarks measured, and moving ones correct only themselves; 0: never "
              "(thesis). Not with ideal, invariant",
              kNotNegative, SLAMMOT_FIELD(ekf.static_enough)),
+      flag("ekf.equivariant_scale",
+           "an update keeps what is known of the scale; with linearisation standard",
+           SLAMMOT_FIELD(ekf.equivariant_scale)),
       flag("ekf.second_order",
            "noise for the product of a static landmark's depth and the camera's translation",
            SLAMMOT_FIELD(ekf.second_order)),

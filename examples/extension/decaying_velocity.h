@@ -13,7 +13,8 @@ struct DecayingVelocity {
   using Point = P;
   static constexpr std::string_view kName = "decaying_velocity";
   static constexpr std::string_view kDescription = "a velocity that decays";
-  static constexpr int kMotion = 3;    // numbers of w, here v
+  static constexpr int kMotion = 3;  // numbers of w, here v
+  static constexpr bool kMotionInMetres = true;
   static constexpr double kTau = 2.0;  // [s]
 
   static double decay(double dt) { return std::exp(-dt / kTau); }

@@ -210,6 +210,21 @@ void JointCovariance::add_dependence(StateBlock b, const Eigen::MatrixXd& B) {
   for (int j = 0; j < b.dim; ++j) P.rankUpdate(B.col(j), C.col(j));
 }
 
+void JointCovariance::add_dependence(Eigen::Ref<const Eigen::VectorXd> l,
+                                     Eigen::Ref<const Eigen::VectorXd> m) {
+  // P + m (P l)' + (P l) m' + m (l'P l) m' = P + m c' + c m'
+  gathered_.resize(size_, 1);
+  auto c = (*gathered_).col(0);
+  multiply(l, c);
+  c += 0.5 * l.dot(c) * m;
+  storage_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>().rankUpdate(m, c);
+}
+
+void JointCovariance::multiply(Eigen::Ref<const Eigen::VectorXd> l,
+                               Eigen::Ref<Eigen::VectorXd> out) const {
+  out.noalias() = storage_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>() * l;
+}
+
 void JointCovariance::subtract_outer(Eigen::Ref<const Eigen::MatrixXd> W) {
   subtract_outer({0, size_}, W);
 }

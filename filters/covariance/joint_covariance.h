@@ -84,6 +84,12 @@ class JointCovariance {
   // e := e + B e_b for the whole state; B has the state's rows, zero in those of b.
   void add_dependence(StateBlock b, const Eigen::MatrixXd& B);
 
+  // e := e + m (l'e), for the whole state.
+  void add_dependence(Eigen::Ref<const Eigen::VectorXd> l, Eigen::Ref<const Eigen::VectorXd> m);
+
+  // P l, into `out`.
+  void multiply(Eigen::Ref<const Eigen::VectorXd> l, Eigen::Ref<Eigen::VectorXd> out) const;
+
   // P := P - W W', W n x k, through one symmetric rank-k update.
   void subtract_outer(Eigen::Ref<const Eigen::MatrixXd> W);
 

@@ -20,6 +20,7 @@ struct ConstantAcceleration {
   static constexpr std::string_view kName = "constant_acceleration";
   static constexpr std::string_view kDescription = "position, velocity and acceleration in metres";
   static constexpr int kMotion = 6;
+  static constexpr bool kMotionInMetres = true;
 
   template <typename T>
   using Vector9 = Eigen::Matrix<T, 9, 1>;

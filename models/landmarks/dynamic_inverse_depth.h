@@ -15,6 +15,7 @@ struct DynamicInverseDepth {
   static constexpr std::string_view kDescription =
       "the thesis: position and velocity in metres (2.3)";
   static constexpr int kMotion = 3;
+  static constexpr bool kMotionInMetres = true;
 
   template <typename T>
   static Vector6<T> predict(const Vector6<T>& x, double dt) {

@@ -56,6 +56,8 @@ concept LandmarkModel = requires(const StateOf<M>& x, const Eigen::Vector3d& v, 
   { M::kName } -> std::convertible_to<std::string_view>;
   { M::kDescription } -> std::convertible_to<std::string_view>;
   { M::kMotion } -> std::convertible_to<int>;  // numbers of w, 3 to kMaxMotion
+  // Whether all of w is in metres, and grows with the scale; else in units of the depth.
+  { M::kMotionInMetres } -> std::convertible_to<bool>;
   // x after dt without noise, thesis (2.5), and its Jacobian.
   { M::predict(x, dt) } -> std::convertible_to<StateOf<M>>;
   { M::predict_jacobian(x, dt) } -> std::convertible_to<JacobianOf<M>>;

@@ -15,9 +15,10 @@ namespace slammot {
 struct LandmarkFunctions {
   std::string_view name;
   std::string_view description;
-  bool can_move = true;  // false: every landmark is static, whatever the classifier says
-  int motion = 3;        // numbers of w
-  PointFunctions point;  // of y
+  bool can_move = true;           // false: every landmark is static, whatever the classifier says
+  int motion = 3;                 // numbers of w
+  bool motion_in_metres = false;  // w grows with the scale; else it is in units of the depth
+  PointFunctions point;           // of y
 
   int dim() const { return 3 + motion; }  // of x = (y, w)
 
@@ -48,6 +49,7 @@ constexpr LandmarkFunctions landmark_row() {
           M::kDescription,
           true,
           M::kMotion,
+          M::kMotionInMetres,
           point_row<typename M::Point>(),
           [](const LandmarkVector& x, double dt) -> LandmarkVector { return M::predict(X(x), dt); },
           [](const LandmarkVector& x, double dt) -> LandmarkMatrix {

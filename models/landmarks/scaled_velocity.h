@@ -16,6 +16,7 @@ struct ScaledVelocity {
   static constexpr std::string_view kDescription =
       "velocity times inverse depth: modified polar coordinates";
   static constexpr int kMotion = 3;
+  static constexpr bool kMotionInMetres = false;
 
   static double rho(const Vector6d& x) { return P::inverse_depth(Eigen::Vector3d(x.head<3>())); }
 

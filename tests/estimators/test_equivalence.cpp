@@ -95,7 +95,9 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
   one.iterations = 1;
   one.linearisation = WindowLinearisation::kStandard;
   const auto ekf = make_ekf(setup, models,
-                            {.static_enough = 0, .second_order = false});  // a window relinearises
+                            {.static_enough = 0,
+                             .equivariant_scale = false,
+                             .second_order = false});  // a window relinearises
   const auto window = make_window(setup, models, one);
   ekf->keep_predictions();
   window->keep_predictions();
@@ -221,6 +223,7 @@ TEST(ManySteps, MakeItTheIteratedEkf) {
   EkfOptions iterated;
   iterated.iterations = 30;
   iterated.static_enough = 0;
+  iterated.equivariant_scale = false;
   iterated.second_order = false;
   WindowOptions one;
   one.frames = 1;

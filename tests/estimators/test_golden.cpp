@@ -72,6 +72,7 @@ TEST_P(Golden, FiguresFromBeforeTheWorkOnSpeedStay) {
   configuration.model.depth_prior = DepthPriorSource::kFixed;
   configuration.model.classifier.name = "thesis";
   configuration.model.gate.given_others = 1.0;
+  configuration.ekf.equivariant_scale = false;
   configuration.ekf.static_enough = 0;
   configuration.ekf.second_order = false;
   configuration.window.frames = 10;

@@ -123,7 +123,10 @@ TEST_P(PredictionsOf, OfWhatIsNotMeasuredAreAsIfItWere) {
 INSTANTIATE_TEST_SUITE_P(
     Estimators, PredictionsOf,
     testing::Values(Options{"ekf", "ekf", {}},
-                    Options{"ekf_deferred", "ekf", {"ekf.deferred=true", "labels.memory=0"}},
+                    Options{
+                        "ekf_deferred",
+                        "ekf",
+                        {"ekf.deferred=true", "ekf.equivariant_scale=false", "labels.memory=0"}},
                     Options{"ekf_fej", "ekf", {"ekf.linearisation=fej"}},
                     Options{"window", "window", {"window.frames=6"}},
                     Options{"window_retest", "window", {"window.frames=6", "window.retest=true"}}),

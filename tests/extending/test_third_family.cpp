@@ -86,6 +86,7 @@ class ThirdFamilyUndecided : public testing::Test {
     configuration_.model.labels.rule = LabelRule::kOneWay;
     configuration_.model.labels.first_frame = FirstFrameLabels::kStatic;
     configuration_.model.gate = {0.999999, 1.0};
+    configuration_.ekf.equivariant_scale = false;
     configuration_.ekf.static_enough = 0;
     configuration_.ekf.second_order = false;  // unscented ones have their own
   }
@@ -142,6 +143,7 @@ TEST(ThirdFamily, LabelsAsTheEkfDoes) {
     configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
     configuration.model.classifier.name = "thesis";
     configuration.model.gate.given_others = 1.0;
+    configuration.ekf.equivariant_scale = false;
     configuration.ekf.static_enough = 0;  // the unscented filter has no such rule
     const RunResult ekf = judged(find_estimator("ekf"), sequence, configuration).run;
     const RunResult ukf = judged(kUnscented, sequence, configuration).run;

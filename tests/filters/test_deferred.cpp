@@ -146,6 +146,7 @@ TEST_P(DeferredCase, IsTheEkf) {
   options.linearisation = configuration.ekf.linearisation;
   options.iterations = GetParam().iterations;
   options.delayed = GetParam().delayed;
+  options.equivariant_scale = false;
   Driven plain(setup, models, options);
   options.deferred = true;
   Driven deferred(setup, models, options);

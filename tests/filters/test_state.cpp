@@ -6,71 +6,22 @@
 #include <Eigen/LU>
 #include <random>
 
-#include "filters/ekf_update.h"
+#include "tests/filters/small_scene.h"
 
 namespace slammot {
 namespace {
 
-const Linearisation kStandard({.second_order = false},
-                              find_landmark("scaled_velocity", "inverse_depth"), nullptr);
-
-Camera pinhole() { return {640, 480, 385.0, 385.0, 319.5, 239.5, PinholeLens{}}; }
-
-// A camera and four landmarks born with it; `anchors` of them, shared or one for each.
-JointState scene(int anchors) {
-  JointState state;
-  Vector12d sigma;
-  sigma << Eigen::Vector3d::Constant(0.05), Eigen::Vector3d::Constant(0.01),
-      Eigen::Vector3d::Constant(0.3), Eigen::Vector3d::Constant(0.1);
-  state.covariance.append({}, sigma.cwiseAbs2().asDiagonal().toDenseMatrix());
-  for (int i = 0; i < anchors; ++i) {
-    const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
-    const StateBlock block =
-        state.covariance.append({{{kPosition, 3}, I}}, Eigen::Matrix3d::Zero());
-    state.anchors[i] = {state.camera.position, block, 0};
-  }
-  for (int i = 0; i < 4; ++i) {
-    FilterLandmark& l = state.landmarks[i];
-    l.anchor = i % anchors;
-    l.y = {0.2 * i - 0.3, 0.1 * (i % 2), 0.2};
-    l.y_block =
-        state.covariance.append({}, Eigen::Vector3d(1e-5, 1e-5, 1e-3).asDiagonal().toDenseMatrix());
-    ++state.anchors.at(l.anchor).landmarks;
-  }
-  return state;
-}
-
-std::vector<Observation> pixels_of(const JointState& state, unsigned seed) {
-  std::mt19937_64 engine(seed);
-  std::normal_distribution<double> normal;
-  std::vector<Observation> matches;
-  for (const auto& [track, l] : state.landmarks) {
-    const auto z = observe(pinhole(), kStandard.point(), state.camera.position,
-                           state.camera.orientation, state.anchors.at(l.anchor).position, l.y);
-    matches.push_back({track, z->pixel + 2.0 * Eigen::Vector2d(normal(engine), normal(engine))});
-  }
-  return matches;
-}
-
-void step(JointState& state, const std::vector<Observation>& matches) {
-  MotionNoise noise{2.0, 1.0};
-  const double dt = 0.1;
-  state.covariance.propagate({JointState::kCamera}, predict_jacobian(state.camera, dt),
-                             camera_noise(noise, state.camera, dt));
-  state.camera = predict(state.camera, dt);
-  Innovation z;
-  linearise(state, kStandard, pinhole(), matches, z);
-  update(state, kStandard, pinhole(), 1.0, 1, z);
-}
+Linearisation standard({.equivariant_scale = false, .second_order = false},
+                       find_landmark("scaled_velocity", "inverse_depth"), slammot::Setup{});
 
 TEST(SharedAnchor, GivesTheSameEstimatesAsOneForEachLandmark) {
   JointState shared = scene(1), single = scene(4);
   shared.camera.velocity = single.camera.velocity = {1.0, 0.0, 0.2};
   EXPECT_EQ(shared.covariance.size() + 9, single.covariance.size());
   for (unsigned k = 1; k <= 20; ++k) {
-    const auto matches = pixels_of(shared, k);
-    step(shared, matches);
-    step(single, matches);
+    const auto matches = pixels_of(shared, standard.point(), k);
+    step(shared, standard, matches);
+    step(single, standard, matches);
   }
   const auto P = shared.covariance.block(JointState::kCamera, JointState::kCamera);
   const auto Q = single.covariance.block(JointState::kCamera, JointState::kCamera);
@@ -96,9 +47,9 @@ Eigen::MatrixXd dense_H(const JointState& state, const Innovation& z) {
 
 TEST(Update, IsTheTextbookUpdate) {
   JointState state = scene(1);
-  const auto matches = pixels_of(state, 1);
+  const auto matches = pixels_of(state, standard.point(), 1);
   Innovation z;
-  linearise(state, kStandard, pinhole(), matches, z);
+  linearise(state, standard, pinhole(), matches, z);
   const int n = state.covariance.size();
   const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(n, n);
   const Eigen::MatrixXd P = state.covariance.dense();
@@ -113,16 +64,16 @@ TEST(Update, IsTheTextbookUpdate) {
   reset.block<3, 3>(3, 3) = right_jacobian_so3(dx.segment<3>(3));
   Joseph = (reset * Joseph * reset.transpose()).eval();
   const CameraState expected = boxplus(state.camera, Vector12d(dx.head<12>()));
-  update(state, kStandard, pinhole(), 1.44, 1, z);
+  update(state, standard, pinhole(), 1.44, 1, z);
   EXPECT_LT((state.covariance.dense() - Joseph).norm(), 1e-10 * Joseph.norm());
   EXPECT_LT(boxminus(state.camera, expected).norm(), 1e-12);
 }
 
 TEST(JointCovariance, OfAllPixelsIsHPHt) {
   JointState state = scene(1);
-  const auto matches = pixels_of(state, 2);
+  const auto matches = pixels_of(state, standard.point(), 2);
   Innovation z;
-  linearise(state, kStandard, pinhole(), matches, z);
+  linearise(state, standard, pinhole(), matches, z);
   const Eigen::MatrixXd H = dense_H(state, z);
   const Eigen::MatrixXd HPHt = H * state.covariance.dense() * H.transpose();
   GrowingMatrix result;
@@ -134,12 +85,13 @@ TEST(JointCovariance, OfAllPixelsIsHPHt) {
 
 // Pictures show the S that the gate asks.
 TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
-  const Linearisation second({}, find_landmark("scaled_velocity", "inverse_depth"), nullptr);
+  const Linearisation second({.equivariant_scale = false},
+                             find_landmark("scaled_velocity", "inverse_depth"), slammot::Setup{});
   JointState state = scene(1);
   state.free_motion(3, MotionVector::Constant(3, 0.5));
-  step(state, pixels_of(state, 1));
+  step(state, standard, pixels_of(state, standard.point(), 1));
   Innovation z;
-  linearise(state, second, pinhole(), pixels_of(state, 2), z);
+  linearise(state, second, pinhole(), pixels_of(state, standard.point(), 2), z);
   ASSERT_EQ(z.matches.size(), 4u);
   GrowingMatrix HPHt;
   fill_HPHt(state, z, HPHt);
@@ -148,7 +100,7 @@ TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
     EXPECT_EQ(z.second_order[static_cast<std::size_t>(i)].norm() > 0.0, is_static);
     const Eigen::Matrix2d S = (*HPHt).block<2, 2>(2 * i, 2 * i).selfadjointView<Eigen::Lower>();
     const auto shown = predict_pixel(state, second, pinhole(), i);
-    const auto without = predict_pixel(state, kStandard, pinhole(), i);
+    const auto without = predict_pixel(state, standard, pinhole(), i);
     ASSERT_TRUE(shown && without);
     EXPECT_LT((shown->S - S).norm(), 1e-12 * S.norm());
     EXPECT_EQ((shown->S - without->S).norm() > 0.0, is_static);
@@ -157,12 +109,12 @@ TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
 
 TEST(Keep, LeavesTheInnovationOfWhatWasAccepted) {
   JointState state = scene(1);
-  const auto matches = pixels_of(state, 2);
+  const auto matches = pixels_of(state, standard.point(), 2);
   const std::vector<Observation> accepted{matches[0], matches[1], matches[3]};
   Innovation z, expected;
-  linearise(state, kStandard, pinhole(), matches, z);
+  linearise(state, standard, pinhole(), matches, z);
   keep(accepted, z);
-  linearise(state, kStandard, pinhole(), accepted, expected);
+  linearise(state, standard, pinhole(), accepted, expected);
   ASSERT_EQ(z.matches.size(), 3u);
   EXPECT_EQ(z.matches[2].track, 3);
   EXPECT_TRUE(z.nu == expected.nu);
@@ -174,7 +126,7 @@ TEST(Keep, LeavesTheInnovationOfWhatWasAccepted) {
 TEST(RemoveLandmarks, LeavesTheMarginalOfTheRest) {
   JointState state = scene(4);
   state.free_motion(3, MotionVector::Constant(3, 0.5));
-  for (unsigned k = 1; k <= 3; ++k) step(state, pixels_of(state, k));
+  for (unsigned k = 1; k <= 3; ++k) step(state, standard, pixels_of(state, standard.point(), k));
   const auto marginal = [&] {
     const FilterLandmark &a = state.landmarks.at(1), &b = state.landmarks.at(3);
     const std::vector<StateBlock> blocks{JointState::kCamera, state.anchors.at(1).block,
@@ -209,7 +161,7 @@ TEST(UpdateAlone, IsTheJosephFormWithTheLandmarksRowsOfTheGain) {
   state.scene = {0.2, state.covariance.append({}, Eigen::MatrixXd::Constant(1, 1, 0.01))};
   state.clones.emplace_back().block = state.covariance.append({}, Matrix6d::Zero());
   state.free_motion(kTrack, MotionVector::Constant(3, 0.1));
-  for (unsigned k = 1; k <= 3; ++k) step(state, pixels_of(state, k));
+  for (unsigned k = 1; k <= 3; ++k) step(state, standard, pixels_of(state, standard.point(), k));
   Matrix6d F = Matrix6d::Identity();  // so that w is correlated with y, and so with the pixel
   F.topRightCorner<3, 3>().diagonal().setConstant(0.1);
   state.covariance.propagate(
@@ -221,12 +173,12 @@ TEST(UpdateAlone, IsTheJosephFormWithTheLandmarksRowsOfTheGain) {
   state.hold_motion(kHeld, Eigen::MatrixXd::Constant(n, 3, 0.01), Eigen::Matrix3d::Identity(),
                     Eigen::Vector3d(0.1, 0.2, 0.3));
   const JointState before = state;
-  const Observation z = pixels_of(state, 9)[kTrack];
+  const Observation z = pixels_of(state, standard.point(), 9)[kTrack];
   Innovation memory;
-  update_alone(state, kStandard, pinhole(), z, kVariance, memory);
+  update_alone(state, standard, pinhole(), z, kVariance, memory);
 
   Innovation plain;
-  linearise(before, kStandard, pinhole(), {&z, 1}, plain);
+  linearise(before, standard, pinhole(), {&z, 1}, plain);
   const FilterLandmark& landmark = before.landmarks.at(kTrack);
   const Eigen::MatrixXd P = before.covariance.dense();
   const int size = static_cast<int>(P.rows());

@@ -128,19 +128,21 @@ TEST(ScaleCheck, WhatIsNotStatedOrHasNotMovedIsNoReason) {
   EXPECT_FALSE(scale_warning(run, kStated));
 }
 
-RunResult without_known(const std::string& estimator) {
+RunResult without_known(const std::string& estimator, bool keeps_scale = true) {
   const Sequence sequence = simulate("circle", {{"known", "0"}, {"frames", "60"}}, 9001);
   Configuration configuration;
   configuration.prior.mean_sigma = 1.0;
   configuration.window.frames = 60;
+  configuration.ekf.equivariant_scale = keeps_scale;
   return run_estimator(sequence, configuration, estimator);
 }
 
 // While a window holds all frames, its covariance has the scale as it was stated. A filter becomes
-// sure of a wrong one.
+// sure of a wrong one, unless its updates keep what is known of it.
 TEST(ScaleCheck, AFilterIsTooSureAndAWindowOfAllFramesIsNot) {
   const auto of_scale = Contains(Field(&RunWarning::reason, HasSubstr("the scale")));
-  EXPECT_THAT(without_known("ekf").warnings, of_scale);
+  EXPECT_THAT(without_known("ekf", false).warnings, of_scale);
+  EXPECT_THAT(without_known("ekf").warnings, Not(of_scale));
   const RunResult window = without_known("window");
   EXPECT_THAT(window.warnings, Not(of_scale));
   EXPECT_TRUE(window.filtered.back().covariance.allFinite());
