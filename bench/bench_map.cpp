@@ -16,7 +16,7 @@ void map_size(benchmark::State& state, const std::string& estimator, bool deferr
   const Corridor corridor = make_corridor(options);
   Configuration configuration = corridor_configuration(options);
   configuration.ekf.deferred = deferred;
-  configuration.ekf.equivariant_scale = false;  // not with deferred
+  configuration.ekf.equivariant_scale = !deferred;
   const auto made = find_estimator(estimator).make(corridor.setup, configuration);
   FrameTimes warm, times;
   std::size_t next = 0;

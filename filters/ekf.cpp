@@ -15,7 +15,7 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       threshold_given_others_(pixel_threshold(models.gate.given_others)),
       functions_(find_landmark(models.landmark, models.point)),
       memory_(options.delayed ? 0 : motion_memory(models, functions_)),
-      linearisation_(options, functions_, setup) {
+      linearisation_(options, functions_, setup.truth, !setup.known.empty()) {
   if (options.deferred && options.linearisation == FilterLinearisation::kInvariant) {
     throw std::invalid_argument(
         "ekf.deferred cannot go with linearisation invariant, which changes passive rows at each "
@@ -131,10 +131,7 @@ void Ekf::update(const TrackRecords& records, std::span<const Observation> accep
   keep(counting_, innovation_);
   slammot::update(state_, linearisation_, setup_.camera, variance, options_.iterations,
                   innovation_);
-  if (!pending_.empty()) linearisation_.prepare_alone(state_);
-  for (const Observation& z : pending_) {
-    update_alone(state_, linearisation_, setup_.camera, z, variance, alone_);
-  }
+  update_alone(state_, linearisation_, setup_.camera, pending_, variance, alone_);
 }
 
 void Ekf::leave_one_out(std::vector<LeaveOneOut>& result) {

@@ -50,9 +50,9 @@ void update(JointState& state, Linearisation& linearisation, const Camera& camer
 // all of them share, above all the camera's motion, is not in it.
 void nis_given_others(Innovation& innovation, std::vector<double>& nis);
 
-// A measurement that moves only its own landmark, the rest of the state being considered but not
-// corrected (Schmidt's gain, 1966).
+// Measurements that move only their own landmarks, free ones, one after the other, the rest of the
+// state being considered but not corrected (Schmidt's gain, 1966).
 void update_alone(JointState& state, Linearisation& linearisation, const Camera& camera,
-                  const Observation& match, double pixel_variance, Innovation& memory);
+                  std::span<const Observation> matches, double pixel_variance, Innovation& memory);
 
 }  // namespace slammot

@@ -5,6 +5,8 @@
 
 namespace slammot {
 
+namespace {
+
 void update_alone(JointState& state, Linearisation& linearisation, const Camera& camera,
                   const Observation& match, double pixel_variance, Innovation& memory) {
   constexpr int kMost = JointCovariance::kLargestBlock;
@@ -36,6 +38,17 @@ void update_alone(JointState& state, Linearisation& linearisation, const Camera&
   if (landmark.is_free()) landmark.w += dx.tail(w.dim);
   if (scale) scale->moved_alone(landmark, n, C, D);
   state.covariance.subtract_alone({y, w}, C, D);
+}
+
+}  // namespace
+
+void update_alone(JointState& state, Linearisation& linearisation, const Camera& camera,
+                  std::span<const Observation> matches, double pixel_variance, Innovation& memory) {
+  if (matches.empty()) return;
+  linearisation.prepare_alone(state);
+  for (const Observation& match : matches) {
+    update_alone(state, linearisation, camera, match, pixel_variance, memory);
+  }
 }
 
 }  // namespace slammot

@@ -9,16 +9,16 @@
 namespace slammot {
 
 Linearisation::Linearisation(const EkfOptions& options, const LandmarkFunctions& landmark,
-                             const Setup& setup)
+                             std::shared_ptr<const Truth> truth, bool any_known)
     : kind_(options.linearisation),
       second_order_(options.second_order),
       functions_(landmark),
-      truth_(setup.truth) {
+      truth_(std::move(truth)) {
   if (kind_ == Kind::kIdeal && !truth_) {
     throw std::invalid_argument("linearisation ideal needs the exact truth of a simulation");
   }
-  if (options.equivariant_scale && kind_ == Kind::kStandard) {
-    scale_.emplace(landmark, !setup.known.empty());
+  if (options.equivariant_scale && kind_ == Kind::kStandard && options.iterations == 1) {
+    scale_.emplace(landmark, any_known);
   }
 }
 
@@ -152,7 +152,8 @@ void invariant_reset(const PointFunctions& point, const JointState& before, Join
 
 }  // namespace
 
-void Linearisation::collapse(JointState& state, std::span<const int> tracks) const {
+void Linearisation::collapse(JointState& state, std::span<const int> tracks) {
+  if (scale_) scale_->collapse(state, tracks);
   if (kind_ != Kind::kInvariant) return;
   Eigen::MatrixXd B = Eigen::MatrixXd::Zero(state.covariance.size(), 3);
   for (const int track : tracks) {

@@ -1,7 +1,7 @@
 // Where the EKF takes its Jacobians, and whether it states what they leave out (second_order.h);
 // innovations and predictions are always at the estimate.
 //
-// `standard`: at the newest estimate.
+// `standard`: at the newest estimate. An update keeps what is known of the scale (scale_error.h).
 //
 // `fej`: at first estimates (Huang, Mourikis & Roumeliotis 2008). What is predicted (camera, free
 // landmarks) where it was predicted to be, anchors where they were initialised, static landmarks
@@ -23,7 +23,6 @@
 #include <set>
 #include <span>
 
-#include "estimation/estimator.h"
 #include "filters/covariance/joint_state.h"
 #include "filters/ekf_options.h"
 #include "filters/scale_error.h"
@@ -35,8 +34,10 @@ namespace slammot {
 
 class Linearisation {
  public:
-  // Throws std::invalid_argument for `ideal` without a truth.
-  Linearisation(const EkfOptions& options, const LandmarkFunctions& landmark, const Setup& setup);
+  // `any_known`: whether landmarks are known beforehand. Throws std::invalid_argument for `ideal`
+  // without a truth.
+  Linearisation(const EkfOptions& options, const LandmarkFunctions& landmark,
+                std::shared_ptr<const Truth> truth, bool any_known = false);
 
   // Jacobians are taken at the estimate.
   bool at_estimate() const { return kind_ == Kind::kStandard || kind_ == Kind::kInvariant; }
@@ -68,16 +69,17 @@ class Linearisation {
                                const NewKnownLandmark& here);
 
   // w = 0 is about to be used as a measurement. `invariant`: a turn of the world leaves 0 where it
-  // is, so the errors of w are expressed there. Elsewhere w = 0 would seem to tell the heading.
-  void collapse(JointState& state, std::span<const int> tracks) const;
+  // is, so the errors of w are expressed there. Elsewhere w = 0 would seem to tell the heading. So
+  // it is with the scale.
+  void collapse(JointState& state, std::span<const int> tracks);
 
   // x := x [+] dx after an update or a collapse. Only `standard` re-expresses P at the new
   // estimate: elsewhere its coordinates are those of the fixed points.
   void correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx);
 
-  // Where errors of the scale are kept (scale_error.h), else none. `prepare`: before landmarks are
-  // corrected alone.
+  // Before landmarks are corrected alone.
   void prepare_alone(const JointState& state);
+  // None where the scale's errors are not kept.
   ScaleError* scale() { return scale_ ? &*scale_ : nullptr; }
 
  private:

@@ -1,20 +1,24 @@
 #include "filters/scale_error.h"
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
 
 namespace slammot {
 
 LandmarkVector ScaleError::direction(const FilterLandmark& landmark) const {
   const PointRay ray = functions_.point.ray(landmark.y);
-  LandmarkVector n(landmark.dim());
-  n.head<3>() =
-      -ray.inverse_depth * functions_.point.of_jacobian(ray.direction, ray.inverse_depth).col(3);
-  if (landmark.is_free()) n.tail(landmark.w.size()) = landmark.w * functions_.motion_in_metres;
+  const Matrix34d J = functions_.point.of_jacobian(ray.direction, ray.inverse_depth);
+  LandmarkVector n = LandmarkVector::Zero(landmark.dim());
+  n.head<3>() = -ray.inverse_depth * J.col(3);
+  if (landmark.is_free() && functions_.motion_in_metres) n.tail(landmark.w.size()) = landmark.w;
   return n;
 }
 
-void ScaleError::direction(const JointState& state, Eigen::VectorXd& n) const {
-  n.setZero(state.covariance.size());
+ScaleError::Vector ScaleError::direction(const JointState& state, GrowingMatrix& into) const {
+  into.resize(state.covariance.size(), 1);
+  Vector n = vector(into);
+  n.setZero();
   n.segment<3>(kPosition) = state.camera.position;
   n.segment<3>(kVelocity) = state.camera.velocity;
   if (state.scene) n(state.scene->block.offset) = -state.scene->inverse_depth;
@@ -24,10 +28,11 @@ void ScaleError::direction(const JointState& state, Eigen::VectorXd& n) const {
   }
   for (const auto& [track, landmark] : state.landmarks) {
     const LandmarkVector of_it = direction(landmark);
+    const StateBlock w = landmark.w_block;
     n.segment<3>(landmark.y_block.offset) = of_it.head<3>();
-    if (!landmark.is_free()) continue;
-    n.segment(landmark.w_block.offset, landmark.w_block.dim) = of_it.tail(landmark.w_block.dim);
+    if (landmark.is_free()) n.segment(w.offset, w.dim) = of_it.tail(w.dim);
   }
+  return n;
 }
 
 bool ScaleError::is_of_late(int last_used, int newest) const {
@@ -35,9 +40,11 @@ bool ScaleError::is_of_late(int last_used, int newest) const {
   return !any_known_ || last_used >= newest - kFrames;
 }
 
-void ScaleError::weigh(const JointState& state) {
+ScaleError::Vector ScaleError::weigh(const JointState& state) {
   const JointCovariance& P = state.covariance;
-  l_.setZero(P.size());
+  l_.resize(P.size(), 1);
+  Vector l = vector(l_);
+  l.setZero();
   double sum = 1.0;
   int newest = 0;
   for (const auto& [track, landmark] : state.landmarks) {
@@ -48,50 +55,65 @@ void ScaleError::weigh(const JointState& state) {
     const StateBlock y = landmark.y_block;
     const PointRay ray = functions_.point.ray(landmark.y);
     const auto& J = ray.J_inverse_depth;
-    const double variance = J * P.block(y, y) * J.transpose();
-    if (!(variance > 0.0)) continue;
-    l_.segment<3>(y.offset) = -ray.inverse_depth / variance * J.transpose();
-    sum += ray.inverse_depth * ray.inverse_depth / variance;
+    const double rho = ray.inverse_depth, variance = J * P.block(y, y) * J.transpose();
+    if (!(variance > 0.0) || !std::isfinite(rho * rho / variance)) continue;
+    l.segment<3>(y.offset) = -rho / variance * J.transpose();
+    sum += rho * rho / variance;
   }
   constexpr StateBlock kV{kVelocity, 3};
   const Eigen::Vector3d v = state.camera.velocity;
   const double v2 = v.squaredNorm(), vPv = v.dot(P.block(kV, kV) * v);
-  if (vPv > 0.0) {
-    l_.segment<3>(kVelocity) = v2 / vPv * v;
+  if (vPv > 0.0 && std::isfinite(v2 * v2 / vPv)) {
+    l.segment<3>(kVelocity) = v2 / vPv * v;
     sum += v2 * v2 / vPv;
   }
-  l_ /= sum;
+  l /= sum;
+  return l;
 }
 
 void ScaleError::correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx) {
-  weigh(state);
-  direction(state, before_);
+  const Vector l = weigh(state), before = direction(state, before_);
   state.correct(dx);
-  direction(state, change_);
-  change_ -= before_;
-  state.covariance.add_dependence(l_, change_);
+  Vector change = direction(state, change_);
+  change -= before;
+  state.covariance.add_dependence(l, change);
+}
+
+void ScaleError::collapse(JointState& state, std::span<const int> tracks) {
+  if (!functions_.motion_in_metres) return;
+  const Vector l = weigh(state);
+  change_.resize(state.covariance.size(), 1);
+  Vector change = vector(change_);
+  change.setZero();
+  for (const int track : tracks) {
+    const FilterLandmark& landmark = state.landmarks.at(track);
+    change.segment(landmark.w_block.offset, landmark.w_block.dim) = -landmark.w;
+  }
+  state.covariance.add_dependence(l, change);
 }
 
 void ScaleError::prepare(const JointState& state) {
-  weigh(state);
-  P_l_.resize(l_.size());
-  state.covariance.multiply(l_, P_l_);
-  variance_ = l_.dot(P_l_);
+  const Vector l = weigh(state);
+  P_l_.resize(l.size(), 1);
+  state.covariance.multiply(l, vector(P_l_));
+  variance_ = l.dot(vector(P_l_));
 }
 
 void ScaleError::moved_alone(const FilterLandmark& landmark, const LandmarkVector& before,
                              Eigen::Ref<Eigen::MatrixXd> C, JointCovariance::Block& D) {
   const StateBlock y = landmark.y_block, w = landmark.w_block;
+  Vector P_l = vector(P_l_);
+  assert(P_l.size() == C.rows() && landmark.is_free());  // prepare() came before
   const LandmarkVector change = direction(landmark) - before;
   LandmarkVector own(landmark.dim());  // of P l
-  own << P_l_.segment(y.offset, y.dim), P_l_.segment(w.offset, w.dim);
-  own -= C.transpose() * l_;
+  own << P_l.segment(y.offset, y.dim), P_l.segment(w.offset, w.dim);
+  own.noalias() -= C.transpose() * vector(l_);
   const LandmarkMatrix cross = change * own.transpose();
   D -= cross + cross.transpose() + variance_ * change * change.transpose();
-  C.noalias() -= P_l_ * change.transpose();
+  C.noalias() -= P_l * change.transpose();
   own += variance_ * change;
-  P_l_.segment(y.offset, y.dim) = own.head(y.dim);
-  P_l_.segment(w.offset, w.dim) = own.tail(w.dim);
+  P_l.segment(y.offset, y.dim) = own.head(y.dim);
+  P_l.segment(w.offset, w.dim) = own.tail(w.dim);
 }
 
 }  // namespace slammot

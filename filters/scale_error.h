@@ -15,14 +15,16 @@
 //   e := e + (n(x + dx) - n(x)) lambda,   lambda = l'e.
 //
 // Which scale: where no landmark is known beforehand, that of the whole map. Else that of what was
-// seen of late, since known landmarks that left long ago say little of it. lambda is the mean of
-// the errors of -log rho of these static landmarks, and of the log of the speed, weighted with
-// their inverse variances w_i:
+// measured in the last hundred frames, since known landmarks that left long ago say little of it.
+// lambda is the mean of the errors of -log rho of these static landmarks, and of the log of the
+// speed, weighted with their inverse variances w_i:
 //
 //   l'e = (-sum w_i drho_i / rho_i + w_v v'dv / |v|^2) / (1 + sum w_i + w_v).
 //
-// The 1 makes lambda vanish where the scale is not known to first order.
+// The 1 keeps l finite where nothing is known of the scale.
 #pragma once
+
+#include <span>
 
 #include "filters/covariance/joint_state.h"
 #include "models/landmarks/landmark_models.h"
@@ -37,6 +39,10 @@ class ScaleError {
   // x := x [+] dx after an update, P in the coordinates at the new estimate.
   void correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx);
 
+  // w = 0 is about to be used as a measurement of these landmarks. A world of another scale has it
+  // as well: where w is in metres, its errors are expressed there.
+  void collapse(JointState& state, std::span<const int> tracks);
+
   // Before free landmarks are corrected alone: lambda, which has nothing of them, and P l.
   void prepare(const JointState& state);
 
@@ -50,14 +56,17 @@ class ScaleError {
                    Eigen::Ref<Eigen::MatrixXd> C, JointCovariance::Block& D);
 
  private:
-  void weigh(const JointState& state);
-  void direction(const JointState& state, Eigen::VectorXd& n) const;
+  using Vector = Eigen::Map<Eigen::VectorXd>;
+  static Vector vector(GrowingMatrix& x) { return {(*x).data(), (*x).rows()}; }
+
+  Vector weigh(const JointState& state);
+  Vector direction(const JointState& state, GrowingMatrix& n) const;
 
   bool is_of_late(int last_used, int newest) const;
 
   const LandmarkFunctions& functions_;
   bool any_known_;
-  Eigen::VectorXd l_, P_l_, before_, change_;
+  GrowingMatrix l_, P_l_, before_, change_;  // n x 1; kept for their memory
   double variance_ = 0.0;
 };
 

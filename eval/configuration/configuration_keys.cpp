@@ -289,12 +289,15 @@ std::vector<ConfigurationKey> estimator_keys() {
              "(thesis). Not with ideal, invariant",
              kNotNegative, SLAMMOT_FIELD(ekf.static_enough)),
       flag("ekf.equivariant_scale",
-           "an update keeps what is known of the scale; with linearisation standard",
+           "an update keeps what is known of the scale; false: thesis. With linearisation "
+           "standard, one "
+           "iteration and no deferred updates",
            SLAMMOT_FIELD(ekf.equivariant_scale)),
       flag("ekf.second_order",
            "noise for the product of a static landmark's depth and the camera's translation",
            SLAMMOT_FIELD(ekf.second_order)),
-      flag("ekf.deferred", "landmarks out of view are updated when they return; exact",
+      flag("ekf.deferred",
+           "landmarks out of view are updated when they return; exact. Not with equivariant_scale",
            SLAMMOT_FIELD(ekf.deferred)),
       number("window.frames", "camera states kept", kPositive, SLAMMOT_FIELD(window.frames)),
       number("window.iterations", "Gauss-Newton steps a frame at most", kUpToThousand,

@@ -12,7 +12,7 @@ namespace slammot {
 namespace {
 
 Linearisation standard({.equivariant_scale = false, .second_order = false},
-                       find_landmark("scaled_velocity", "inverse_depth"), slammot::Setup{});
+                       find_landmark("scaled_velocity", "inverse_depth"), nullptr);
 
 TEST(SharedAnchor, GivesTheSameEstimatesAsOneForEachLandmark) {
   JointState shared = scene(1), single = scene(4);
@@ -86,7 +86,7 @@ TEST(JointCovariance, OfAllPixelsIsHPHt) {
 // Pictures show the S that the gate asks.
 TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
   const Linearisation second({.equivariant_scale = false},
-                             find_landmark("scaled_velocity", "inverse_depth"), slammot::Setup{});
+                             find_landmark("scaled_velocity", "inverse_depth"), nullptr);
   JointState state = scene(1);
   state.free_motion(3, MotionVector::Constant(3, 0.5));
   step(state, standard, pixels_of(state, standard.point(), 1));
@@ -175,7 +175,7 @@ TEST(UpdateAlone, IsTheJosephFormWithTheLandmarksRowsOfTheGain) {
   const JointState before = state;
   const Observation z = pixels_of(state, standard.point(), 9)[kTrack];
   Innovation memory;
-  update_alone(state, standard, pinhole(), z, kVariance, memory);
+  update_alone(state, standard, pinhole(), {&z, 1}, kVariance, memory);
 
   Innovation plain;
   linearise(before, standard, pinhole(), {&z, 1}, plain);

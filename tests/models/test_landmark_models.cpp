@@ -101,6 +101,26 @@ TYPED_TEST(LandmarkLaws, ThePointMovesByItsVelocity) {
   }
 }
 
+// In a world `s` times as large.
+TYPED_TEST(LandmarkLaws, ItsMotionIsOfTheScaleItSays) {
+  static constexpr double s = 1.7;
+  const auto scaled = [this](const StateOf<TypeParam>& x) {
+    StateOf<TypeParam> result = x;
+    const double rho = this->rho(x) / s;
+    result.template head<3>() = TypeParam::Point::of(this->direction(x), rho, this->y(x));
+    if (TypeParam::kMotionInMetres) result.template tail<TypeParam::kMotion>() *= s;
+    return result;
+  };
+  for (int k = 0; k < test::kStates; ++k) {
+    const StateOf<TypeParam> x = this->random_state();
+    const StateOf<TypeParam> there = TypeParam::predict(scaled(x), 0.1);
+    const StateOf<TypeParam> here = scaled(TypeParam::predict(x, 0.1));
+    EXPECT_LT((this->direction(there) - this->direction(here)).norm(), 1e-9) << x.transpose();
+    EXPECT_NEAR(this->rho(there), this->rho(here), 1e-9 * (1.0 + x.norm()));
+    EXPECT_LT((there - here).template tail<TypeParam::kMotion>().norm(), 1e-9 * (1.0 + x.norm()));
+  }
+}
+
 TYPED_TEST(LandmarkLaws, AtRestItStays) {
   for (int k = 0; k < test::kStates; ++k) {
     StateOf<TypeParam> x = this->random_state();
@@ -136,6 +156,7 @@ TYPED_TEST(LandmarkLaws, ItsRowIsTheModel) {
   const LandmarkFunctions& row = this->row_;
   EXPECT_EQ(row.motion, TypeParam::kMotion);
   EXPECT_EQ(row.dim(), kLandmarkDim<TypeParam>);
+  EXPECT_EQ(row.motion_in_metres, TypeParam::kMotionInMetres);
   EXPECT_TRUE(row.can_move);
   const LandmarkPrior prior;
   for (int k = 0; k < 20; ++k) {
