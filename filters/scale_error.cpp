@@ -62,10 +62,10 @@ ScaleError::Vector ScaleError::weigh(const JointState& state) {
   }
   constexpr StateBlock kV{kVelocity, 3};
   const Eigen::Vector3d v = state.camera.velocity;
-  const double v2 = v.squaredNorm(), vPv = v.dot(P.block(kV, kV) * v);
-  if (vPv > 0.0 && std::isfinite(v2 * v2 / vPv)) {
-    l.segment<3>(kVelocity) = v2 / vPv * v;
-    sum += v2 * v2 / vPv;
+  const double v2 = v.squaredNorm(), v_variance = v.dot(P.block(kV, kV) * v);
+  if (v_variance > 0.0 && std::isfinite(v2 * v2 / v_variance)) {
+    l.segment<3>(kVelocity) = v2 / v_variance * v;
+    sum += v2 * v2 / v_variance;
   }
   l /= sum;
   return l;
