@@ -77,8 +77,9 @@ struct LabelOptions {
   LabelRule rule = LabelRule::kReversible;
   int window = 10;            // reversible: innovations in the test of a static label
   double probability = 1e-4;  // reversible: of a right label being rejected in a frame
-  int sightings = 3;  // measurements of a landmark, its first included, until it is labelled
-  int memory = 60;    // reversible: frames for which a static landmark's motion is remembered
+  int sightings = 3;    // measurements of a landmark, its first included, until it is labelled
+  int memory = 60;      // reversible: frames for which a static landmark's motion is remembered
+  double pooled = 0.0;  // [px] within which tracks that move alike pool their evidence; 0: not
   FirstFrameLabels first_frame = FirstFrameLabels::kOdds;
   int start = 1;        // odds: frames after which the first frame's labels are decided
   int start_over = 40;  // odds: frames in which one that is rejected starts the run over

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "estimation/labels/pooled_motion.h"
 #include "models/landmarks/true_state.h"
 #include "models/points/observation.h"
 
@@ -94,7 +95,8 @@ const std::vector<int>& LandmarkManager::classify(int frame, std::span<const Obs
     if (is_asked(records_.at(z.track), models_.labels)) tracks_.push_back(z.track);
   }
   belief.motions(tracks_, motions_);
-  for (MotionBelief& motion : motions_) {
+  complete_motions(accepted);
+  for (const MotionBelief& motion : motions_) {
     TrackRecord& record = records_.at(motion.track);
     note_answer(record, answer(motion, record), frame);
     if (record.label == Label::kStatic) now_static_.push_back(motion.track);
@@ -111,6 +113,7 @@ void LandmarkManager::revert_labels(std::span<const Observation> measured, Belie
     if (record.label == Label::kStatic) tracks_.push_back(z.track);
   }
   belief.held_motions(tracks_, motions_);
+  complete_motions(measured);
   for (const int track : tracks_) {
     TrackRecord& record = records_.at(track);
     const bool is_remembered =
@@ -133,7 +136,7 @@ void LandmarkManager::revert_labels(std::span<const Observation> measured, Belie
 void LandmarkManager::release_what_moved(Belief& belief) {
   double surest = 0.0;
   TrackRecord* released = nullptr;
-  for (MotionBelief& motion : motions_) {
+  for (const MotionBelief& motion : motions_) {
     TrackRecord& record = records_.at(motion.track);
     const double distance = mahalanobis_from_zero(motion.w, motion.covariance);
     if (released != nullptr && distance <= surest) continue;
@@ -147,9 +150,17 @@ void LandmarkManager::release_what_moved(Belief& belief) {
   belief.release(released->track, released->prior);
 }
 
-Label LandmarkManager::answer(MotionBelief& motion, TrackRecord& record) const {
-  motion.prior_sigmas = functions_.prior_sigmas(record.prior);
-  motion.prior_velocity_sigma = record.prior.velocity_sigma();
+// With what the classifier asks besides; pooled with their neighbours' where that is wanted.
+void LandmarkManager::complete_motions(std::span<const Observation> measured) {
+  for (MotionBelief& motion : motions_) {
+    const LandmarkPrior& prior = records_.at(motion.track).prior;
+    motion.prior_sigmas = functions_.prior_sigmas(prior);
+    motion.prior_velocity_sigma = prior.velocity_sigma();
+  }
+  if (models_.labels.pooled > 0.0) pool_motions(measured, models_.labels.pooled, motions_);
+}
+
+Label LandmarkManager::answer(const MotionBelief& motion, TrackRecord& record) const {
   const Label label = classifier_->decide(motion, record.classifier_memory);
   return label == Label::kStatic && record.cannot_rest ? Label::kUnknown : label;
 }

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "estimation/belief.h"
-#include "estimation/first_frame.h"
+#include "estimation/labels/first_frame.h"
 
 namespace slammot {
 
@@ -43,7 +43,8 @@ class LandmarkManager {
 
  private:
   void release_what_moved(Belief& belief);  // motions_
-  Label answer(MotionBelief& motion, TrackRecord& record) const;
+  void complete_motions(std::span<const Observation> measured);
+  Label answer(const MotionBelief& motion, TrackRecord& record) const;
   void remove(Belief& belief, FrameReport& report);  // tracks_
   TrackRecord record_at_birth(int track, int frame, const LandmarkPrior& prior);
   bool expected_in_view(int frame, const CameraState& camera, const LandmarkPoint& point) const;

@@ -163,9 +163,11 @@ std::vector<ConfigurationKey> model_keys() {
       number("classifier.hidden_speed",
              "odds: largest sigma of a static landmark's velocity over that at first sight",
              kPositive, SLAMMOT_FIELD(model.classifier.hidden_speed)),
-      option<LabelRule>("labels",
-                        "kept for ever (thesis), or reverted when innovations reject them",
-                        listed(kLabelRules), SLAMMOT_FIELD(model.labels.rule)),
+      option<LabelRule>(
+          "labels",
+          "kept for ever (thesis), or reverted when innovations, a remembered motion or an "
+          "inverse depth below zero reject them",
+          listed(kLabelRules), SLAMMOT_FIELD(model.labels.rule)),
       number("labels.sightings",
              "measurements of a landmark, its first included, until it is labelled", kPositive,
              SLAMMOT_FIELD(model.labels.sightings)),
@@ -176,12 +178,18 @@ std::vector<ConfigurationKey> model_keys() {
       number("labels.memory",
              "reversible: frames for which what a static landmark's motion would be is remembered",
              kNotNegative, SLAMMOT_FIELD(model.labels.memory)),
-      option<FirstFrameLabels>("labels.first_frame",
-                               "landmarks of the first frame: decided together (odds), static by "
-                               "rule (thesis 4.2), or unknown as later ones are",
-                               listed(kFirstFrameLabels), SLAMMOT_FIELD(model.labels.first_frame)),
+      number("labels.pooled",
+             "px within which tracks that move alike pool their evidence, as points of one object; "
+             "0: not",
+             kNotNegative, SLAMMOT_FIELD(model.labels.pooled)),
+      option<FirstFrameLabels>(
+          "labels.first_frame",
+          "landmarks of the first frame: static until one is rejected, and then "
+          "without it from the start (odds), static by rule (thesis, figure "
+          "4.5a), or unknown as later ones are",
+          listed(kFirstFrameLabels), SLAMMOT_FIELD(model.labels.first_frame)),
       number("labels.start",
-             "odds: frames after which the first frame's labels are decided; below "
+             "odds: frames after which the first frame's labels are decided together; below "
              "labels.sightings all are static",
              kPositive, SLAMMOT_FIELD(model.labels.start)),
       number("labels.start_over",
@@ -230,7 +238,7 @@ std::vector<ConfigurationKey> statement_keys() {
       option<DepthPriorSource>(
           "prior.source",
           "rho0 and its sigma as given, or learnt from the landmarks in view (empirical); auto: "
-          "empirical where a landmark is known beforehand",
+          "empirical where a landmark is known beforehand, or the first velocity to half of itself",
           listed(kDepthPriorSources), SLAMMOT_FIELD(model.depth_prior)),
       number("prior.inverse_depth", "rho0 of new landmarks [1/m]", kNotNegative,
              SLAMMOT_FIELD(prior.inverse_depth)),
@@ -238,7 +246,7 @@ std::vector<ConfigurationKey> statement_keys() {
              SLAMMOT_FIELD(prior.inverse_depth_sigma)),
       number("prior.mean_sigma",
              "of rho0 itself, then estimated [1/m]; 0: rho0 is known; if empirical, half of rho0, "
-             "and 1 where nothing is stated",
+             "rho0 of known landmarks, and 1 where nothing is stated",
              kNotNegative, SLAMMOT_FIELD(prior.mean_sigma)),
       option<PriorSpread>(
           "prior.spread",

@@ -1,5 +1,5 @@
 // The labels of the first frame's landmarks: by rule, unknown, or decided together.
-#include "estimation/first_frame.h"
+#include "estimation/labels/first_frame.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "estimation/label_policy.h"
+#include "estimation/labels/label_policy.h"
 
 namespace slammot {
 namespace {

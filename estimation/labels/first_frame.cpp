@@ -1,4 +1,4 @@
-#include "estimation/first_frame.h"
+#include "estimation/labels/first_frame.h"
 
 #include <algorithm>
 

@@ -20,7 +20,7 @@
 #include <span>
 #include <vector>
 
-#include "estimation/label_policy.h"
+#include "estimation/labels/label_policy.h"
 #include "models/measurement.h"
 
 namespace slammot {

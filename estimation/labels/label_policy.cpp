@@ -1,4 +1,4 @@
-#include "estimation/label_policy.h"
+#include "estimation/labels/label_policy.h"
 
 #include <algorithm>
 #include <cmath>
