@@ -101,6 +101,22 @@ TEST(Odds, ASpeedAlongTheLineOfSightMayHide) {
   EXPECT_EQ(decide(options, b), Label::kStatic);
 }
 
+// At the defaults the answer is that of the evidence: prior odds of 2, decisive at 20 either way.
+// A landmark of which any speed up to the prior's could still hide is static all the same.
+TEST(Odds, OfTheDefaultsAskForEvidenceOnly) {
+  const ClassifierOptions defaults;
+  EXPECT_EQ(defaults.name, "odds");
+  const double ratio = std::cbrt(10.0);
+  EXPECT_EQ(decide(defaults, belief({0, 0, 0}, 0.999 / ratio)), Label::kStatic);
+  EXPECT_EQ(decide(defaults, belief({0, 0, 0}, 1.001 / ratio)), Label::kUnknown);
+  const double limit = std::sqrt(2.0 * std::log(2.0 * 20.0 * 10.0)) / ratio;
+  EXPECT_EQ(decide(defaults, belief({0.999 * limit, 0, 0}, 1.0 / ratio)), Label::kUnknown);
+  EXPECT_EQ(decide(defaults, belief({1.001 * limit, 0, 0}, 1.0 / ratio)), Label::kMoving);
+  MotionBelief b = belief({0, 0, 0}, 0.01);
+  b.covariance(2, 2) = 1.0;
+  EXPECT_EQ(decide(defaults, b), Label::kStatic);
+}
+
 TEST(Odds, OfWhatMovedMustOutweighThatItMoved) {
   const auto classifier = make_classifier(odds(), {});
   ClassifierMemory memory;
@@ -114,7 +130,7 @@ TEST(Odds, OfWhatMovedMustOutweighThatItMoved) {
 
 TEST(Odds, HaveNoUnit) {
   // The same scene in other units of length, and in u = rho v at rho = 0.2.
-  for (const double sigma : {0.1, 0.25, 0.35}) {
+  for (const double sigma : {0.01, 0.1, 0.25, 0.35}) {  // moving, static, unknown, unknown
     MotionBelief b = belief({0.1, 0, 0}, sigma);
     const Label label = decide(odds(), b);
     for (const double unit : {0.001, 100.0}) {

@@ -11,6 +11,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "datasets/simulation/scenario.h"
 #include "datasets/simulation/scene/random_stream.h"
@@ -138,11 +139,12 @@ TEST(PosteriorBound, OfASingleDrawIsTheIdealCovariance) {
   EXPECT_LT(test::relative_difference(one, P), 1e-6);
 }
 
-// (E J)^-1 is at most E(J^-1), by Jensen. Along each path scale is hardly observable, a direction
-// that differs from path to path: the mean information knows it, and the bound is far below.
+// (E J)^-1 is at most E(J^-1), by Jensen; with narrow priors they are nearly equal. With wide ones
+// scale is hardly observable along each path, a direction that differs from path to path: the mean
+// information knows it, and the bound is far below.
 TEST(PosteriorBound, IsBelowTheMeanOfTheIdealCovariances) {
-  for (const ScenarioOverrides& world : {kNarrow, kWide}) {
-    const Bound found = bound_of(world, 200);
+  for (const bool wide : {false, true}) {
+    const Bound found = bound_of(wide ? kWide : kNarrow, 200);
     const auto [least, largest] = std::ranges::minmax(found.ideal);
     std::printf("bound %.4f m, ideal sigma %.4f m (%.4f to %.4f)\n",
                 std::sqrt(variance(found.bound)), std::sqrt(variance(found.mean_ideal)),
@@ -152,6 +154,9 @@ TEST(PosteriorBound, IsBelowTheMeanOfTheIdealCovariances) {
         scale.asDiagonal() * (found.mean_ideal - found.bound) * scale.asDiagonal();
     const Eigen::SelfAdjointEigenSolver<Matrix12d> eigen(excess);
     EXPECT_GT(eigen.eigenvalues().minCoeff(), 0.0);
+    const double ratio = std::sqrt(variance(found.bound) / variance(found.mean_ideal));
+    EXPECT_GT(ratio, wide ? 0.05 : 0.95);
+    EXPECT_LT(ratio, wide ? 0.3 : 1.0);
   }
 }
 
@@ -168,23 +173,36 @@ TEST(PosteriorBound, IsAttainedAndNotBeatenByTheEkf) {
   EXPECT_LT(found.lower, 1.0);
 }
 
-TEST(IdealCovariance, IsNoBoundAlongItsTrajectory) {
-  int below = 0, above = 0;
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    Sequence sequence = draw(kNarrow, seed);
-    const double ideal = variance(last(sequence, "ideal_covariance").covariance);
-    std::vector<double> ratios;
-    for (unsigned noise = 1; noise <= 30; ++noise) {
-      measure_all(sequence, noise);
-      ratios.push_back(squared_error(sequence) / ideal);
-    }
-    const Interval found = interval_of(ratios);
-    std::printf("trajectory %u: [%.3f, %.3f]\n", seed, found.lower, found.upper);
-    below += found.upper < 1.0;
-    above += found.lower > 1.0;
+// Along one trajectory, over draws of the pixel noise from `first` on.
+Interval squared_error_over_ideal(unsigned seed, unsigned first, unsigned draws) {
+  Sequence sequence = draw(kNarrow, seed);
+  const double ideal = variance(last(sequence, "ideal_covariance").covariance);
+  std::vector<double> ratios;
+  for (unsigned noise = first; noise < first + draws; ++noise) {
+    measure_all(sequence, noise);
+    ratios.push_back(squared_error(sequence) / ideal);
   }
-  EXPECT_GT(below, 0);
-  EXPECT_GT(above, 0);
+  return interval_of(ratios);
+}
+
+// Twenty trajectories find the extreme ones; other draws of the noise then judge these two.
+TEST(IdealCovariance, IsNoBoundAlongItsTrajectory) {
+  constexpr unsigned kDraws = 30, kOtherDraws = 200;
+  unsigned lowest = 0, highest = 0;
+  double least = 1.0, largest = 1.0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Interval found = squared_error_over_ideal(seed, 1, kDraws);
+    if (found.upper < least) std::tie(least, lowest) = std::pair(found.upper, seed);
+    if (found.lower > largest) std::tie(largest, highest) = std::pair(found.lower, seed);
+  }
+  ASSERT_GT(lowest, 0u);
+  ASSERT_GT(highest, 0u);
+  const Interval low = squared_error_over_ideal(lowest, kDraws + 1, kOtherDraws);
+  const Interval high = squared_error_over_ideal(highest, kDraws + 1, kOtherDraws);
+  std::printf("trajectory %u: [%.3f, %.3f], %u: [%.3f, %.3f]\n", lowest, low.lower, low.upper,
+              highest, high.lower, high.upper);
+  EXPECT_LT(low.upper, 1.0);
+  EXPECT_GT(high.lower, 1.0);
 }
 
 }  // namespace
