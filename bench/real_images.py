@@ -1,10 +1,10 @@
 """real_images.py SLAMMOT DATA OUTPUT [--sensitivity | --first-frames] [NAME ...]: real images through `track` and `run` with the defaults; the tables of docs/recordings.md.
 
-Stated are camera and scale, nothing else. With --sensitivity the EKF runs again with one setting changed at a time; with --first-frames EKF and
-window run from other first frames, whose true pose and velocity are stated then. bench/real/regions.csv marks by hand what is seen where: a track
-belongs to an object if in a marked frame it lies in the object's box. A folder of OUTPUT that is there already is not computed again. ATE is after
-alignment by Sim(3), in per cent of the true path from the first frame used; the rotation's error is the RMSE over all frames without alignment,
-and that times 50 m over the path.
+Stated are camera and scale, and what the recordings themselves state of motion and depths; the estimators' settings are the defaults. With
+--sensitivity the EKF runs again with one setting changed at a time; with --first-frames EKF and window run from other first frames, whose true pose
+and velocity are stated then. bench/real/regions.csv marks by hand what is seen where: a track belongs to an object if in a marked frame it lies in
+the object's box. A folder of OUTPUT that is there already is not computed again. ATE is after alignment by Sim(3), in per cent of the true path
+from the first frame used; the rotation's error is the RMSE over all frames without alignment, and that times 50 m over the path.
 """
 import collections
 import json

@@ -29,7 +29,7 @@ class Batch final : public Estimator {
         functions_(find_landmark(models.landmark, models.point)),
         loss_(make_loss(front.loss)),
         graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get(),
-                noise_tells_scale(setup)},
+                /*noise_tells_scale=*/true},  // as in the cost that Ceres minimises
                false) {
     if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);
     const auto make_window = [=, this] {

@@ -319,7 +319,9 @@ std::vector<ConfigurationKey> estimator_keys() {
                                    {"fej", WindowLinearisation::kFej},
                                    {"ideal", WindowLinearisation::kIdeal}},
                                   SLAMMOT_FIELD(window.linearisation)),
-      option<WindowSolver>("window.solver", "who minimises; ceres: to convergence, and slowly",
+      option<WindowSolver>("window.solver",
+                           "who minimises; ceres: until it converges (1000 iterations "
+                           "at most), and slowly",
                            {{"own", WindowSolver::kOwn}, {"ceres", WindowSolver::kCeres}},
                            SLAMMOT_FIELD(window.solver)),
       option<WindowPrior>(

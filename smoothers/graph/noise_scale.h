@@ -11,6 +11,9 @@
 //   J_v1 := J_v1 - r v1' / (|v1|^2 + e^2),   of the linear part of r,
 //
 // e being the sigma of v1 in a step, below which no speed is known.
+//
+// That is no Jacobian of a cost: what Ceres minimises (the batch, `window.solver=ceres`) keeps the
+// noise in metres.
 #pragma once
 
 #include "estimation/estimator.h"

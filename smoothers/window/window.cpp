@@ -36,7 +36,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       memory_(motion_memory(models, functions_)),
       loss_(make_loss(options.loss)),
       graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get(),
-              noise_tells_scale(setup)},
+              options.solver == WindowSolver::kCeres || noise_tells_scale(setup)},
              fixed_points(options.linearisation)),
       cameras_(graph_, truth_of(setup, options)),
       truth_(truth_of(setup, options), graph_, cameras_),

@@ -1,10 +1,10 @@
 // The sliding window's belief; see window.h for what it is. The functions stand in the order of a
 // frame, here, in window.cpp and in the EKF's files alike.
 //
-// Between two updates nothing is factorised: gate, labels, births, deaths and estimates read the
-// marginals of the last factorisation. What has entered since (a new camera, one step of each
-// chain, a new landmark) is conditional on what it knows, and marginalising changes nothing of what
-// stays, so that it waits for the next update.
+// Between two updates nothing is factorised but where a label changes: gate, labels, births, deaths
+// and estimates read the marginals of the last factorisation. What has entered since (a new camera,
+// one step of each chain, a new landmark) is conditional on what it knows, and marginalising
+// changes nothing of what stays, so that it waits for the next update.
 #pragma once
 
 #include "estimation/belief.h"

@@ -8,7 +8,8 @@ enum class WindowLinearisation { kStandard, kFej, kIdeal };
 
 enum class Loss { kNone, kHuber };  // on the normalised measurement residual
 
-// Who minimises: our Gauss-Newton | ceres::Solve, on the same factors, to convergence.
+// Who minimises: our Gauss-Newton | ceres::Solve, on the same factors, until it has converged or
+// has taken 1000 iterations.
 enum class WindowSolver { kOwn, kCeres };
 
 // What the prior keeps of landmarks whose oldest frame leaves: all | nothing, they leave with it.

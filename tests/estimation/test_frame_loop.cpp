@@ -47,6 +47,27 @@ TEST_F(FrameLoopOf, WidensTheCamerasNoiseInACurve) {
   }
 }
 
+// Four points of an object, none of which is known to move by itself.
+TEST_F(FrameLoopOf, LabelsWhatMovesAlikeTogether) {
+  for (const bool pooled : {false, true}) {
+    index_ = 0;
+    ModelOptions models;
+    models.landmark = "dynamic_inverse_depth";
+    models.labels.pooled = pooled ? 10.0 : 0.0;
+    start(models);
+    frame({});
+    frame({1, 2, 3, 4});
+    for (auto& [track, landmark] : belief_->state) {
+      landmark.speed = 0.7 * setup_.prior.velocity_sigma();
+      landmark.speed_sigma = 0.3 * setup_.prior.velocity_sigma();
+    }
+    frame({1, 2, 3, 4});
+    for (int track = 1; track <= 4; ++track) {
+      EXPECT_EQ(label(track), pooled ? Label::kMoving : Label::kUnknown);
+    }
+  }
+}
+
 TEST_F(FrameLoopOf, GatesEachMeasurementOnItsOwn) {
   start({});
   frame({1, 2, 3});

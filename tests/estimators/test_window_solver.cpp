@@ -62,8 +62,8 @@ void expect_same_runs(const Sequence& sequence, const Configuration& configurati
               worst_state, worst_covariance, same, sequence.frames.size());
   // In single frames Ceres ends early, where no step lowers the cost by more than its rounding.
   EXPECT_GE(same, 0.9 * static_cast<double>(sequence.frames.size()));
-  EXPECT_LT(worst_state, 1e-4);
-  EXPECT_LT(worst_covariance, 1e-4);
+  EXPECT_LT(worst_state, 1e-5);
+  EXPECT_LT(worst_covariance, 1e-5);
   EXPECT_GT(decided, 5);
 }
 
