@@ -29,7 +29,7 @@ std::vector<RunWarning> warnings_of(const Sequence& sequence, const std::string&
 auto says(const char* text) { return Contains(Field(&RunWarning::reason, HasSubstr(text))); }
 
 TEST(MadeFailures, AGoodRunSaysNothing) {
-  for (const std::uint64_t seed : {11, 12, 13}) {
+  for (const std::uint64_t seed : {11u, 12u, 13u}) {
     const Sequence sequence = simulate("circle", {{"frames", "60"}}, seed);
     for (const char* estimator : {"ekf", "window"}) {
       EXPECT_THAT(warnings_of(sequence, estimator), IsEmpty()) << estimator << ", seed " << seed;
