@@ -22,7 +22,7 @@ namespace slammot {
 // Replaces w and P of each motion by those pooled with its neighbours: tracks measured within
 // `radius` [px] that move alike, d'(P_i + P_j)^-1 d <= 2 n of the difference d of n numbers, twice
 // its mean. `prior_sigmas` must be set, and each motion's track be in `z`, which is sorted by
-// track. One whose pooled covariance is not positive definite stays as it is.
+// track. One whose covariance, own or pooled, is not positive definite stays as it is.
 void pool_motions(std::span<const Observation> z, double radius,
                   std::vector<MotionBelief>& motions);
 

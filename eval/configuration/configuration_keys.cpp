@@ -184,9 +184,8 @@ std::vector<ConfigurationKey> model_keys() {
              kNotNegative, SLAMMOT_FIELD(model.labels.pooled)),
       option<FirstFrameLabels>(
           "labels.first_frame",
-          "landmarks of the first frame: static until one is rejected, and then "
-          "without it from the start (odds), static by rule (thesis, figure "
-          "4.5a), or unknown as later ones are",
+          "landmarks of the first frame: static until one is rejected, and then without it from "
+          "the start (odds), static by rule (thesis, figure 4.5a), or unknown as later ones are",
           listed(kFirstFrameLabels), SLAMMOT_FIELD(model.labels.first_frame)),
       number("labels.start",
              "odds: frames after which the first frame's labels are decided together; below "
@@ -298,8 +297,7 @@ std::vector<ConfigurationKey> estimator_keys() {
              kNotNegative, SLAMMOT_FIELD(ekf.static_enough)),
       flag("ekf.equivariant_scale",
            "an update keeps what is known of the scale; false: thesis. With linearisation "
-           "standard, one "
-           "iteration and no deferred updates",
+           "standard, one iteration and no deferred updates",
            SLAMMOT_FIELD(ekf.equivariant_scale)),
       flag("ekf.second_order",
            "noise for the product of a static landmark's depth and the camera's translation",
@@ -320,8 +318,8 @@ std::vector<ConfigurationKey> estimator_keys() {
                                    {"ideal", WindowLinearisation::kIdeal}},
                                   SLAMMOT_FIELD(window.linearisation)),
       option<WindowSolver>("window.solver",
-                           "who minimises; ceres: until it converges (1000 iterations "
-                           "at most), and slowly",
+                           "who minimises; ceres: until it converges (1000 iterations at most), "
+                           "and slowly",
                            {{"own", WindowSolver::kOwn}, {"ceres", WindowSolver::kCeres}},
                            SLAMMOT_FIELD(window.solver)),
       option<WindowPrior>(

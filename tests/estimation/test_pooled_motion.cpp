@@ -104,5 +104,13 @@ TEST(PoolMotions, WhatWouldHaveNoCovarianceStaysAlone) {
   EXPECT_NEAR(motions[0].covariance(0, 0), 1.44, 1e-12);
 }
 
+TEST(PoolMotions, ABrokenCovarianceIsLeftOut) {
+  std::vector<MotionBelief> motions = {belief(0, {0.6, 0, 0}, 0.1), belief(1, {0.6, 0, 0}, 0.1)};
+  motions[1].covariance(1, 1) = -1.0;
+  pool_motions(row(2, 5.0), kRadius, motions);
+  EXPECT_NEAR(motions[0].covariance(0, 0), 0.01, 1e-12);
+  EXPECT_EQ(motions[1].covariance(1, 1), -1.0);
+}
+
 }  // namespace
 }  // namespace slammot
