@@ -55,6 +55,10 @@ class Belief {
   // out.
   virtual void innovations(std::span<const Observation> measured, FrameInnovation& result) = 0;
 
+  // After innovations(): the camera's noise in the newest step had `factor` times the variance that
+  // predict() was told. innovations() is then asked again.
+  virtual void widen(double /*factor*/) {}
+
   // After innovations(), which it leaves as they are: where these landmarks are expected, of those
   // that are in view; S without the pixels' noise. For who draws: nothing of an estimate may depend
   // on it.

@@ -69,8 +69,8 @@ void Ekf::predict(const Frame& frame, double dt, const MotionNoise& noise,
   if (dt == 0.0) return;
   if (!state_.clones.empty()) state_.clone_pose(clone_of(frames_ - 1));
   const CameraState at = linearisation_.camera(state_);
-  state_.covariance.propagate({JointState::kCamera}, predict_jacobian(at, dt),
-                              camera_noise(noise, at, dt));
+  camera_noise_ = camera_noise(noise, at, dt);
+  state_.covariance.propagate({JointState::kCamera}, predict_jacobian(at, dt), camera_noise_);
   state_.camera = slammot::predict(state_.camera, dt);
   for (auto& [track, landmark] : state_.landmarks) {
     if (landmark.is_free()) predict_landmark(track, landmark, records.at(track).label, dt);
@@ -95,6 +95,12 @@ void Ekf::innovations(std::span<const Observation> measured, FrameInnovation& re
   result.nu = innovation_.nu;
   fill_HPHt(state_, innovation_, result.HPHt);
   measured_ = result.z.size();
+}
+
+void Ekf::widen(double factor) {
+  state_.covariance.propagate({JointState::kCamera}, Matrix12d::Identity(),
+                              (factor - 1.0) * camera_noise_);
+  camera_noise_ *= factor;
 }
 
 void Ekf::predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) {

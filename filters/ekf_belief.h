@@ -18,6 +18,7 @@ class Ekf final : public Belief {
                const TrackRecords& records) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured, FrameInnovation& result) override;
+  void widen(double factor) override;
   void predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) override;
   void update(const TrackRecords& records, std::span<const Observation> accepted,
               StageListener& stages) override;
@@ -73,9 +74,10 @@ class Ekf final : public Belief {
   int memory_;  // frames for which the motion of a static landmark is remembered
   JointState state_;
   Linearisation linearisation_;
-  int frame_ = 0;           // Frame::index of the newest
-  int frames_ = 0;          // predicted so far
-  double overspent_ = 0.0;  // since the last synchronisation, by `deferred`
+  int frame_ = 0;                               // Frame::index of the newest
+  int frames_ = 0;                              // predicted so far
+  Matrix12d camera_noise_ = Matrix12d::Zero();  // of the newest step
+  double overspent_ = 0.0;                      // since the last synchronisation, by `deferred`
 
   // Of the frame in hand; kept for their memory.
   Innovation innovation_, alone_;

@@ -24,6 +24,13 @@ struct MotionNoise {
   NoiseDiscretisation discretisation = NoiseDiscretisation::kWhiteNoise;
 };
 
+// With `factor` times the variance.
+inline MotionNoise scaled(MotionNoise noise, double factor) {
+  noise.acceleration *= std::sqrt(factor);
+  noise.angular_acceleration *= std::sqrt(factor);
+  return noise;
+}
+
 // f(x), thesis (2.2) and the constant-velocity model it names.
 template <typename T>
 CameraStateT<T> predict(const CameraStateT<T>& x, double dt) {

@@ -8,6 +8,8 @@ namespace slammot {
 namespace {
 
 constexpr double kForgetting = 0.1;  // a: about ten frames
+constexpr double kSharedNis = 2.0;   // mean of a chi-square(2)
+constexpr double kJolt = 13.8;       // its 99.9% quantile
 
 }  // namespace
 
@@ -21,14 +23,21 @@ double AdaptiveNoise::Drift::add(const Eigen::Vector3d& change, const CameraEsti
   return variance > 0.0 ? std::max(1.0, mean.squaredNorm() / variance) : 1.0;
 }
 
+double AdaptiveNoise::surprise(double median_nis) {
+  asked_ += kForgetting * (factor_ * std::min(median_nis, kJolt) / kSharedNis - asked_);
+  return median_nis > kJolt ? median_nis / kSharedNis : 1.0;
+}
+
 void AdaptiveNoise::learn(const CameraEstimate& before, const CameraEstimate& after, double dt) {
   const double linear = linear_.add(after.state.velocity - before.state.velocity, before, after,
                                     kVelocity, stated_.acceleration * dt);
   const double angular =
       angular_.add(after.state.angular_velocity - before.state.angular_velocity, before, after,
                    kAngularVelocity, stated_.angular_acceleration * dt);
-  of_next_.acceleration = std::sqrt(linear) * stated_.acceleration;
-  of_next_.angular_acceleration = std::sqrt(angular) * stated_.angular_acceleration;
+  factor_ = std::max(1.0, asked_);
+  of_next_.acceleration = std::sqrt(std::max(linear, factor_)) * stated_.acceleration;
+  of_next_.angular_acceleration =
+      std::sqrt(std::max(angular, factor_)) * stated_.angular_acceleration;
 }
 
 }  // namespace slammot

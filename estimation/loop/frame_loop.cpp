@@ -10,6 +10,9 @@ namespace {
 // In one frame, so that its time is bounded. What is still wrong waits for the next.
 constexpr int kMostRevisions = 10;
 
+// Whose median tells of the camera: fewer may be those of one mover.
+constexpr std::size_t kLeastStatic = 5;
+
 // Frames that are processed again, in units of those that the first labels are open for: in one
 // frame and in a run. `circle` and `square` need one and five, the desk among the recordings three
 // and fifteen.
@@ -144,6 +147,13 @@ void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
   }
   belief_->innovations(measured_, innovation_);
   gate_.sort(innovation_);
+  const double factor = noise_.adapts() && dt > 0.0 ? surprise() : 1.0;
+  // What has entered at this frame's camera would not move with it.
+  if (factor > 1.0 && report.admitted == 0) {
+    belief_->widen(factor);
+    belief_->innovations(measured_, innovation_);
+    gate_.sort(innovation_);
+  }
   for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
     const Observation& z = innovation_.z[i];
     in_view_.push_back(z);
@@ -171,6 +181,19 @@ void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
       unused_.push_back(z.track);
     }
   }
+}
+
+// Of the frame's step, as its static landmarks have it; see adaptive_noise.h.
+double FrameLoop::surprise() {
+  static_nis_.clear();
+  for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
+    if (manager_->records().at(innovation_.z[i].track).label != Label::kStatic) continue;
+    static_nis_.push_back(gate_.nis(i));
+  }
+  if (static_nis_.size() < kLeastStatic) return 1.0;
+  const auto middle = static_nis_.begin() + static_cast<std::ptrdiff_t>(static_nis_.size() / 2);
+  std::ranges::nth_element(static_nis_, middle);
+  return noise_.surprise(*middle);
 }
 
 // Of what was measured as the gate had them, of the rest those in the image.

@@ -44,6 +44,7 @@ class FrameLoop final : public Estimator {
   FrameReport advance(const Frame& frame, StageListener& stages);
   double time_since_last(const Frame& frame);
   void gate(const Frame& frame, double dt, FrameReport& report);
+  double surprise();
   void note_predictions(FrameReport& report);
 
   Setup setup_;
@@ -68,6 +69,7 @@ class FrameLoop final : public Estimator {
   std::vector<LeaveOneOut> rejected_, given_others_;  // rejected ones that a motion explains
   std::vector<int> unused_;                           // tracks: rejected, or not expected in view
   std::vector<LandmarkPoint> points_;
+  std::vector<double> static_nis_;
 };
 
 }  // namespace slammot

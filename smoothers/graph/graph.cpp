@@ -56,6 +56,12 @@ void Graph::add_motion(const GraphCamera& from, const GraphCamera& to, const Mat
   linearise(factor);
 }
 
+void Graph::widen_newest_motion(double factor) {
+  CameraMotionFactor& motion = motions.back();
+  motion.weight /= std::sqrt(factor);
+  linearise(motion);
+}
+
 void Graph::add_scene(const LandmarkPrior& prior) {
   const Variable& mean = variables.add(SmallVector::Constant(1, prior.inverse_depth), false, false);
   scene = {mean.id, prior.inverse_depth, prior.mean_sigma, 0.0};

@@ -89,6 +89,12 @@ void Window::predict(const Frame& frame, double dt, const MotionNoise& noise,
   }
 }
 
+void Window::widen(double factor) {
+  graph_.widen_newest_motion(factor);
+  Q_ *= factor;
+  if (histories_) noises_.back() = scaled(noises_.back(), factor);
+}
+
 void Window::add_known(const KnownLandmark& known) {
   const VariableId anchor = cameras_.newest().camera.position;
   const Eigen::Vector3d y =

@@ -36,6 +36,7 @@ class Window final : public Belief {
                const TrackRecords& records) override;
   void add_known(const KnownLandmark& known) override;
   void innovations(std::span<const Observation> measured, FrameInnovation& result) override;
+  void widen(double factor) override;
   void predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) override;
   void update(const TrackRecords& records, std::span<const Observation> accepted,
               StageListener& stages) override;

@@ -52,6 +52,10 @@ class FakeBelief final : public Belief {
     result.HPHt.resize(size, size);
     (*result.HPHt).setZero();
   }
+  void widen(double factor) override {
+    call("widen");
+    widened = factor;
+  }
   void predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) override {
     call("predict_pixels");
     result.clear();
@@ -167,6 +171,7 @@ class FakeBelief final : public Belief {
   LandmarkPrior newest_prior;
   double last_dt = -1.0;
   MotionNoise last_noise;
+  double widened = 0.0;
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // of the camera, in each update
 
  private:

@@ -139,6 +139,40 @@ TEST(AdaptiveNoise, TellsALearntVelocityFromACurve) {
   EXPECT_GT(other.of_next().acceleration, 5.0 * kStated.acceleration);
 }
 
+double factor(const AdaptiveNoise& noise) {
+  EXPECT_NEAR(noise.of_next().acceleration / kStated.acceleration,
+              noise.of_next().angular_acceleration / kStated.angular_acceleration, 1e-12);
+  const double sigmas = noise.of_next().acceleration / kStated.acceleration;
+  return sigmas * sigmas;
+}
+
+// A camera at rest, whose velocity says nothing.
+void learn_at_rest(AdaptiveNoise& noise) { noise.learn({}, {}, kDt); }
+
+// The camera's motion is all of S, and has nine times the stated variance.
+TEST(AdaptiveNoise, LearnsFromMeasurementsAndForgets) {
+  AdaptiveNoise noise(kStated, true);
+  for (int k = 0; k < 100; ++k) {
+    EXPECT_EQ(noise.surprise(2.0 * 9.0 / factor(noise)), k == 0 ? 9.0 : 1.0) << k;
+    learn_at_rest(noise);
+  }
+  EXPECT_NEAR(factor(noise), 9.0, 0.1);
+  for (int k = 0; k < 60; ++k) {
+    EXPECT_EQ(noise.surprise(0.2), 1.0);
+    learn_at_rest(noise);
+  }
+  EXPECT_EQ(factor(noise), 1.0);  // never less
+}
+
+TEST(AdaptiveNoise, AJoltIsOfItsOwnStepAndLearntInPart) {
+  AdaptiveNoise noise(kStated, true);
+  EXPECT_EQ(noise.surprise(13.7), 1.0);
+  AdaptiveNoise other(kStated, true);
+  EXPECT_EQ(other.surprise(1e6), 5e5);
+  learn_at_rest(other);
+  EXPECT_NEAR(factor(other), 0.9 + 0.1 * 6.9, 1e-9);
+}
+
 TEST(AdaptiveNoise, StaysAsStatedWhereItDoesNotAdapt) {
   Filter filter(0.4, false);
   filter.steps(30, Vector6d::Ones());

@@ -1,0 +1,100 @@
+// A camera that moves more than was stated of it: EKF and window widen its noise alike.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/setup.h"
+#include "eval/metrics/metrics.h"
+#include "eval/run/run.h"
+#include "filters/ekf_belief.h"
+#include "smoothers/window/window_belief.h"
+
+namespace slammot {
+namespace {
+
+std::unique_ptr<Belief> made(const std::string& family, const slammot::Setup& setup) {
+  if (family == "ekf") return std::make_unique<Ekf>(setup, ModelOptions{}, EkfOptions{});
+  return std::make_unique<Window>(setup, ModelOptions{}, WindowOptions{});
+}
+
+// Two frames of `circle` with every landmark static; the second step's noise is as told, and then
+// widened.
+struct Second {
+  Eigen::MatrixXd HPHt;
+  CameraEstimate camera;
+};
+Second second_frame(const std::string& family, double told, double widened) {
+  const Sequence sequence = simulate("circle", {{"moving", "0"}}, 3);
+  const slammot::Setup setup = make_setup(sequence, Configuration{});
+  const auto belief = made(family, setup);
+  const Frame &first = sequence.frames[0], &second = sequence.frames[1];
+  TrackRecords records;
+  belief->predict(first, 0.0, setup.camera_noise, records);
+  for (const Observation& z : first.observations) {
+    records[z.track].label = Label::kStatic;
+    EXPECT_TRUE(belief->add(z, setup.prior, false));
+  }
+  belief->finish();
+  belief->predict(second, second.timestamp - first.timestamp, scaled(setup.camera_noise, told),
+                  records);
+  std::vector<Observation> measured;
+  for (const Observation& z : second.observations) {
+    if (records.contains(z.track)) measured.push_back(z);
+  }
+  FrameInnovation innovation;
+  belief->innovations(measured, innovation);
+  if (widened != 1.0) {
+    belief->widen(widened);
+    belief->innovations(measured, innovation);
+  }
+  const Eigen::MatrixXd HPHt = (*innovation.HPHt).selfadjointView<Eigen::Lower>();
+  NoStages stages;
+  belief->update(records, innovation.z, stages);
+  return {HPHt, belief->camera()};
+}
+
+class Jolt : public testing::TestWithParam<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Families, Jolt, testing::Values("ekf", "window"),
+                         [](const auto& family) { return family.param; });
+
+TEST_P(Jolt, AStepWidenedAfterwardsIsThatOfAWiderNoise) {
+  const Second told = second_frame(GetParam(), 49.0, 1.0);
+  const Second widened = second_frame(GetParam(), 1.0, 49.0);
+  const Second as_stated = second_frame(GetParam(), 1.0, 1.0);
+  EXPECT_LT((widened.HPHt - told.HPHt).norm(), 1e-9 * told.HPHt.norm());
+  EXPECT_GT((as_stated.HPHt - told.HPHt).norm(), 0.01 * told.HPHt.norm());
+  EXPECT_LT(boxminus(widened.camera.state, told.camera.state).norm(), 1e-9);
+  EXPECT_LT((widened.camera.covariance - told.camera.covariance).norm(),
+            1e-9 * told.camera.covariance.norm());
+}
+
+// Everything is drawn from the models, but the camera's noise is stated four times too small.
+TEST_P(Jolt, NoiseStatedFourTimesTooSmallCostsLittle) {
+  Configuration small;
+  small.motion.acceleration = 0.5;
+  small.motion.angular_acceleration = 0.15;
+  Configuration fixed = small;
+  fixed.model.adaptive_motion = false;
+  double stated = 0.0, adaptive = 0.0, as_told = 0.0;  // logarithms of the RMSE
+  for (const std::uint64_t seed : {31u, 32u, 33u}) {
+    const Sequence sequence =
+        simulate("model_matched",
+                 {{"frames", "60"}, {"acceleration", "2"}, {"angular_acceleration", "0.6"}}, seed);
+    const auto rmse = [&](const Configuration& configuration) {
+      return run_and_evaluate(sequence, configuration, GetParam(), {})
+          .metrics.filtered.accuracy.value->position_rmse;
+    };
+    stated += std::log(rmse({}));
+    adaptive += std::log(rmse(small));
+    as_told += std::log(rmse(fixed));
+  }
+  std::printf("%s: %.2f times the error of what is true, %.2f where nothing adapts\n",
+              GetParam().c_str(), std::exp((adaptive - stated) / 3),
+              std::exp((as_told - stated) / 3));
+  EXPECT_LT(adaptive - stated, 3 * std::log(2.0));
+  EXPECT_GT(as_told - stated, 3 * std::log(2.5));
+}
+
+}  // namespace
+}  // namespace slammot
