@@ -1,8 +1,8 @@
 """real_images.py SLAMMOT DATA OUTPUT [--sensitivity | --first-frames] [NAME ...]: real images through `track` and `run` with the defaults; the tables of docs/recordings.md.
 
-Stated are camera and scale, and what the recordings themselves state of motion and depths; the estimators' settings are the defaults. With
---sensitivity the EKF runs again with one setting changed at a time; with --first-frames EKF and window run from other first frames, whose true pose
-and velocity are stated then. bench/real/regions.csv marks by hand what is seen where: a track belongs to an object if in a marked frame it lies in
+Stated are camera and scale, nothing else: what a recording says of its camera's accelerations and of depths is taken out, and the estimators'
+settings are the defaults. With --sensitivity EKF and window run again with one setting changed at a time; with --first-frames all run from other
+first frames, whose true pose and velocity are stated then. bench/real/regions.csv marks by hand what is seen where: a track belongs to an object if in a marked frame it lies in
 the object's box. A folder of OUTPUT that is there already is not computed again. ATE is after alignment by Sim(3), in per cent of the true path
 from the first frame used; the rotation's error is the RMSE over all frames without alignment, and that times 50 m over the path.
 """
@@ -18,16 +18,18 @@ import yaml
 from real_motion import TrueCameras, residuals, rows_of
 
 HERE = pathlib.Path(__file__).resolve().parent / "real"
-SEQUENCES = {  # name, also the folder of DATA: arguments of `track`, which state the scale
-    "kitti00": ["--velocity-sigma", "0.3"],
-    "synth19_images": ["--mixed-colours", "--velocity-sigma", "0.1"],
-    "desk_hand": ["--chessboard", "9x6,0.04"],
-    "kitti_traffic": ["--velocity-sigma", "0.3"],
+SEQUENCES = {  # name: the folder of DATA, and arguments of `track`, which state the scale
+    "kitti00": ("kitti00", ["--velocity-sigma", "0.3"]),
+    "synth19_images": ("synth19_images", ["--mixed-colours", "--velocity-sigma", "0.1"]),
+    "desk_hand": ("desk_hand", ["--chessboard", "9x6,0.04"]),
+    "desk_hand_free": ("desk_hand", ["--velocity-sigma", "0.1"]),
+    "kitti_traffic": ("kitti_traffic", ["--velocity-sigma", "0.3"]),
 }
 AT_REST, MOVED = 0.6, 3.0  # [px], residuals; the true poses are not exact either
 ESTIMATORS = ["ekf", "window", "static_world", "five_point"]
 FIRST_FRAMES = range(0, 40, 4)
-SETTINGS = ["pixel_sigma=0.25", "pixel_sigma=1", "gate.given_others=0.99", "gate.given_others=1", "prior.mean_sigma=0.1"]
+SETTINGS = [("pixel_sigma=0.2",), ("pixel_sigma=0.5",), ("motion.acceleration=3", "motion.angular_acceleration=3"), ("motion.adaptive=false",),
+            ("gate.given_others=1",), ("prior.mean_sigma=0.1",), ("policy.max_visible=60",), ("labels.first_frame=static",)]
 
 
 def objects(tracked, marked):
@@ -67,7 +69,12 @@ def path_of(tracked, first=0):
 def tracked_by(program, data, output, name):
     tracked = output / f"{name}-tracked"
     if not tracked.exists():
-        subprocess.run([program, "track", data / name, "--output", tracked, *SEQUENCES[name]], check=True)
+        folder, arguments = SEQUENCES[name]
+        subprocess.run([program, "track", data / folder, "--output", tracked, *arguments], check=True)
+        statements = tracked / "sequence.yaml"
+        kept = [line for line in statements.read_text(encoding="utf-8").splitlines(keepends=True)
+                if not line.startswith(("motion:", "prior:"))]
+        statements.write_text("".join(kept), encoding="utf-8")
     return tracked
 
 
@@ -101,7 +108,8 @@ def print_table(rows, names, run, paths):
 def print_first_frames(name, tracked, run):
     """Geometric mean and worst ATE over the first frames, how many are within 1%, how many failed and how many of these warned. Of runs that
     ended early there is no error over the whole path: they are counted only."""
-    for estimator, kinds in (("ekf", ["filtered"]), ("window", ["filtered", "smoothed"])):
+    for estimator, kinds in (("ekf", ["filtered"]), ("window", ["filtered", "smoothed"]), ("static_world", ["filtered"]),
+                             ("five_point", ["filtered"])):
         runs = {first: run(name, estimator, (f"frames.first={first}",)) for first in FIRST_FRAMES}
         metrics = {first: json.loads((folder / "metrics.json").read_text(encoding="utf-8")) for first, folder in runs.items()}
         failed = [m for m in metrics.values() if m["failed"]]
@@ -114,7 +122,7 @@ def print_first_frames(name, tracked, run):
 
 
 def print_labels(name, tracked, run):
-    marked = [row for row in rows_of(HERE / "regions.csv") if row["sequence"] == name]
+    marked = [row for row in rows_of(HERE / "regions.csv") if row["sequence"] == SEQUENCES[name][0]]
     at_rest, moved = at_rest_and_moved(tracked, run)
     landmarks = rows_of(run / "landmarks.csv")
     print(f"{run.name}: at rest by the true poses: {counted(at_rest, landmarks)}; moved: {counted(moved, landmarks)}")
@@ -139,7 +147,8 @@ def main(program, data, output, names, options):
             print_first_frames(name, tracked[name], run)
         return
     if "--sensitivity" in options:
-        print_table([("defaults", ("ekf",))] + [(f"`{s}`", ("ekf", (s,))) for s in SETTINGS], names, run, paths)
+        print_table([(f"{estimator}, {' '.join(f'`{s}`' for s in settings) or 'defaults'}", (estimator, settings))
+                     for estimator in ("ekf", "window") for settings in [()] + SETTINGS], names, run, paths)
         return
     print_table([(estimator, (estimator,)) for estimator in ESTIMATORS], names, run, paths)
     for name in names:

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -44,10 +45,14 @@ inline constexpr Choice<DepthPriorSource> kDepthPriorSources[] = {
     {"fixed", DepthPriorSource::kFixed},
     {"empirical", DepthPriorSource::kEmpirical}};
 
+// Landmarks measured at once where nothing says how many a sequence has in view.
+inline constexpr int kUsuallyVisible = 60;
+
 // Admission, removal and the size of the map; see track_policy.h.
 struct TrackPolicy {
-  int max_landmarks = 1000;     // landmarks in the state at once; later births wait
-  int max_visible = 60;         // births wait while this many landmarks are being measured
+  int max_landmarks = 1000;  // landmarks in the state at once; later births wait
+  // Births wait while this many landmarks are being measured; unset: kUsuallyVisible.
+  std::optional<int> max_visible;
   int probation = 1;            // frames in a row that measure a track until it is a landmark
   int prune_after = 5;          // frames without an accepted measurement until it is pruned
   int prune_missed_after = 30;  // frames that should have shown it, until a static one is pruned

@@ -50,7 +50,8 @@ bool is_pruned(const TrackRecord& record, const TrackPolicy& policy) {
 }
 
 std::size_t room_for(int landmarks, int visible, const TrackPolicy& policy) {
-  const int room = std::min(policy.max_landmarks - landmarks, policy.max_visible - visible);
+  const int room = std::min(policy.max_landmarks - landmarks,
+                            policy.max_visible.value_or(kUsuallyVisible) - visible);
   return static_cast<std::size_t>(std::max(room, 0));
 }
 

@@ -71,6 +71,7 @@ void read_settings(const std::filesystem::path& file, const std::string& text, S
   sequence.pixel_sigma = map.positive("pixel_sigma");
   if (map.has("motion")) sequence.motion = read_motion(map.map("motion"));
   if (map.has("prior")) sequence.prior = read_prior(map.map("prior"));
+  if (map.has("points")) sequence.points = map.positive_integer("points");
   map.finish();
 }
 

@@ -53,6 +53,7 @@ Text settings_text(const Sequence& s) {
       lens_name(c.lens), c.width, c.height, c.fx, c.fy, c.cx, c.cy);
   put(text, ", distortion: [{}]}}\n", joined(lens_distortion(c.lens), ", "));
   put(text, "pixel_sigma: {}\n", s.pixel_sigma);
+  if (s.points) put(text, "points: {}\n", *s.points);
   if (s.motion) {
     put(text, "motion: {{acceleration: {}, angular_acceleration: {}}}\n", s.motion->acceleration,
         s.motion->angular_acceleration);

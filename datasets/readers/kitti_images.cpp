@@ -76,17 +76,6 @@ CalibrationRow required_calibration(const Path& file, const std::string& key, si
   return *row;
 }
 
-void state_car(Sequence& sequence) {
-  sequence.motion = StatedMotion{3.0, 1.0};
-  LandmarkPrior prior;
-  prior.inverse_depth = 0.06;  // corners of a street lie 8 to 60 m away
-  prior.inverse_depth_sigma = 0.04;
-  prior.mean_sigma = 0.06;
-  prior.max_speed = 20.0;
-  prior.acceleration = 2.0;
-  sequence.prior = prior;
-}
-
 bool is_kitti(const Path& folder) {
   return std::filesystem::is_regular_file(folder / "calib.txt") &&
          std::filesystem::is_regular_file(folder / "times.txt") && camera_number(folder);
@@ -112,7 +101,6 @@ Sequence read_kitti(const Path& folder) {
     sequence.truth =
         match_truth(read_pose_rows(*poses, rectified.offset, sequence.frames), sequence.frames);
   }
-  state_car(sequence);
   return sequence;
 }
 

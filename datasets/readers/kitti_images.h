@@ -3,8 +3,8 @@
 // `../../poses/SEQUENCE.txt`.
 //
 // Rectified pinholes, z forward, y down. The poses are T_world_camera of camera 0, rows of 3x4
-// matrices; camera N stands at K^-1 P_N(:,4) before it, which is carried along. What is stated is
-// what holds for a car: see `state_car`.
+// matrices; camera N stands at K^-1 P_N(:,4) before it, which is carried along. Of motion and
+// depths nothing is stated.
 #pragma once
 
 #include <optional>
@@ -36,8 +36,5 @@ struct RectifiedCamera {
   int line = 0;            // of the row
 };
 RectifiedCamera rectified_camera(const std::filesystem::path& file, const std::string& key);
-
-// Camera motion noise and a prior of depth and speed for a car in a street.
-void state_car(Sequence& sequence);
 
 }  // namespace slammot

@@ -94,7 +94,6 @@ Sequence read_kitti_raw(const Path& folder) {
     throw InputError(cameras, rectified.line, fmt::format("{}: {}", key, *fault));
   }
   sequence.truth = camera_truth(sequence, cameras, rectified.offset);
-  state_car(sequence);
   return sequence;
 }
 

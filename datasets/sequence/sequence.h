@@ -26,6 +26,7 @@ struct Sequence {
   double pixel_sigma = 1.0;  // [px]
   std::optional<StatedMotion> motion;
   std::optional<LandmarkPrior> prior;
+  std::optional<int> points;  // that the front end looked for in an image
   std::vector<Frame> frames;
   std::vector<std::string>
       images;  // as `frames`, relative to the folder; empty when there are none

@@ -53,7 +53,8 @@ T parse_in(const std::string& text, const Range& range) {
 
 std::string to_text(double value) { return fmt::format("{}", value); }  // shortest that reads back
 std::string to_text(int value) { return std::to_string(value); }
-std::string to_text(const std::optional<double>& value) {
+template <typename T>
+std::string to_text(const std::optional<T>& value) {
   return value ? to_text(*value) : "sequence";
 }
 
@@ -63,9 +64,10 @@ void read(double& field, const std::string& text, const Range& range) {
 void read(int& field, const std::string& text, const Range& range) {
   field = parse_in<int>(text, range);
 }
-void read(std::optional<double>& field, const std::string& text, const Range& range) {
+template <typename T>
+void read(std::optional<T>& field, const std::string& text, const Range& range) {
   field.reset();
-  if (text != "sequence") field = parse_in<double>(text, range);
+  if (text != "sequence") field = parse_in<T>(text, range);
 }
 
 // `field` maps a configuration, const or not, to a reference to one of its numbers.
@@ -196,8 +198,11 @@ std::vector<ConfigurationKey> model_keys() {
              kPositive, SLAMMOT_FIELD(model.labels.start_over)),
       number("policy.max_landmarks", "landmarks in the state at once", kPositive,
              SLAMMOT_FIELD(model.policy.max_landmarks)),
-      number("policy.max_visible", "no births while so many are being measured", kPositive,
-             SLAMMOT_FIELD(model.policy.max_visible)),
+      number(
+          "policy.max_visible",
+          "no births while so many are being measured; sequence: as many points as its front end "
+          "looked for, 60 at least",
+          kPositive, SLAMMOT_FIELD(model.policy.max_visible)),
       number("policy.probation",
              "frames in a row that measure a track until it becomes a landmark, with all its "
              "measurements",

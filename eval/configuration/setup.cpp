@@ -158,10 +158,12 @@ std::optional<std::string> warning_about(const Setup& setup, const Configuration
 }
 
 Configuration resolve(const Sequence& sequence, const Configuration& configuration) {
-  return resolved(make_setup(sequence, configuration), configuration);
+  return resolved(sequence, make_setup(sequence, configuration), configuration);
 }
 
-Configuration resolved(const Setup& setup, Configuration configuration) {
+Configuration resolved(const Sequence& sequence, const Setup& setup, Configuration configuration) {
+  std::optional<int>& visible = configuration.model.policy.max_visible;
+  if (!visible) visible = std::max(kUsuallyVisible, sequence.points.value_or(0));
   configuration.model.depth_prior =
       learns_depths(configuration.model.depth_prior, setup.initial, !setup.known.empty())
           ? DepthPriorSource::kEmpirical

@@ -18,7 +18,7 @@ Sequence selected(Sequence sequence, const FrameSelection& frames);
 Setup make_setup(const Sequence& sequence, const Configuration& configuration);
 
 // The configuration with every `sequence` replaced by the number that is used, for run.yaml.
-Configuration resolved(const Setup& setup, Configuration configuration);
+Configuration resolved(const Sequence& sequence, const Setup& setup, Configuration configuration);
 
 // A line about a setup that cannot work as it is meant to, naming the number and what to set; none
 // if nothing is known against it.

@@ -164,7 +164,7 @@ Prepared prepare(const Sequence& sequence, Configuration configuration, const st
   const EstimatorRow& row = find_estimator(name);
   row.adjust(configuration);
   const Setup setup = make_setup(sequence, configuration);
-  configuration = resolved(setup, std::move(configuration));
+  configuration = resolved(sequence, setup, std::move(configuration));
   return {configuration, stated_scale(setup), row.make(setup, configuration)};
 }
 

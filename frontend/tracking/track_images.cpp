@@ -178,6 +178,7 @@ TrackedImages track_images(const Sequence& images, const ImageFunction& image,
   cv::setNumThreads(options.threads == 0 ? -1 : std::min(options.threads, cv::getNumberOfCPUs()));
   TrackedImages result;
   result.sequence = without_frames(images);
+  result.sequence.points = options.tracker.corners.count;
   track_all(images, image, options, result);
   std::set<int> tracks;
   for (const Frame& frame : result.sequence.frames) {

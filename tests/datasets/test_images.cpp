@@ -91,7 +91,7 @@ TEST_F(Layout, KittiOdometryMovesTheTruthToItsCamera) {
   // x_2 = x_0 + 0.1: camera 2 stands 0.1 m to the left of camera 0.
   EXPECT_TRUE(sequence.truth[0]->position.isApprox(Eigen::Vector3d(-0.1, 0, 0)));
   EXPECT_TRUE(sequence.truth[1]->position.isApprox(Eigen::Vector3d(0.1, 0, 5)));
-  EXPECT_TRUE(sequence.prior && sequence.motion);
+  EXPECT_FALSE(sequence.prior || sequence.motion);
 }
 
 TEST_F(Layout, KittiWithoutItsFirstImageHasTheEndingOfTheOthers) {

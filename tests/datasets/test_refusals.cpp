@@ -226,6 +226,8 @@ const Fault kSettingsFaults[] = {
      "sequence.yaml:5: 'acceleration' is missing in 'motion'"},
     {"Prior", "sequence.yaml", "inverse_depth_sigma: 0.15", "inverse_depth_sigma: 0",
      "sequence.yaml:6: 'inverse_depth_sigma' must be greater than zero"},
+    {"Points", "sequence.yaml", "pixel_sigma: 1.5", "pixel_sigma: 1.5\npoints: 2.5",
+     "sequence.yaml:5: 'points' must be a whole number"},
     {"PriorMean", "sequence.yaml", "max_speed: 2", "mean_sigma: 0, max_speed: 2",
      "sequence.yaml:6: 'mean_sigma' must be greater than zero"},
     {"NotAMap", "sequence.yaml", "{acceleration: 6, angular_acceleration: 5}", "6",

@@ -40,6 +40,7 @@ TEST(NativeWriter, RoundTripIsExact) {
   a.frames[1].observations = {{7, {1.0 / 3.0, -1e-300}}};
   a.frames[2].timestamp = 0.1 + 0.2;
   a.prior->mean_sigma = 1.0 / 7.0;
+  a.points = 150;
   for (auto& truth : a.truth) {
     truth.emplace();
     truth->position = Eigen::Vector3d(0.1, 1e8, std::numeric_limits<double>::denorm_min());
@@ -52,6 +53,7 @@ TEST(NativeWriter, RoundTripIsExact) {
   EXPECT_EQ(a.images, b.images);
   EXPECT_EQ(a.camera.fx, b.camera.fx);
   EXPECT_EQ(a.prior->mean_sigma, b.prior->mean_sigma);
+  EXPECT_EQ(b.points, 150);
   EXPECT_EQ(a.initial->state.orientation.coeffs(), b.initial->state.orientation.coeffs());
   EXPECT_EQ(a.landmarks.at(5).at(1)->velocity, b.landmarks.at(5).at(1)->velocity);
   expect_equal(a, b);

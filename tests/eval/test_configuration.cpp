@@ -184,6 +184,24 @@ TEST(MakeSetup, ConfigurationThenSequenceThenDefault) {
   EXPECT_EQ(resolve(sequence, configuration).motion.angular_acceleration, 3.0);
 }
 
+// A front end that follows many points wants many landmarks; a user's own number holds.
+TEST(Resolve, AsManyLandmarksAsTheFrontEndLooksFor) {
+  Sequence sequence = test::straight_line(3);
+  const auto visible = [&](const Configuration& c = {}) {
+    return resolve(sequence, c).model.policy.max_visible;
+  };
+  EXPECT_EQ(visible(), 60);
+  sequence.points = 30;
+  EXPECT_EQ(visible(), 60);
+  sequence.points = 150;
+  EXPECT_EQ(visible(), 150);
+  Configuration stated;
+  assign(stated, {"policy.max_visible", "25"});
+  EXPECT_EQ(visible(stated), 25);
+  assign(stated, {"policy.max_visible", "sequence"});
+  EXPECT_EQ(visible(stated), 150);
+}
+
 // Unless the sequence or the user states it; a velocity that is hardly known tells nothing.
 TEST(MakeSetup, LandmarksMoveAsFastAsTheCamera) {
   Sequence sequence = test::straight_line(2);
