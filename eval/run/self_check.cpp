@@ -20,8 +20,9 @@ constexpr size_t kBurst = 5;             // and over these: a sudden loss, befor
 constexpr int kLeastMeasurements = 100;  // of a sum, else it says nothing
 constexpr int kLeastOfBurst = 30;
 
-constexpr double kNisOfOne = 2.0;  // the joint NIS of a consistent estimator, a measurement
-constexpr double kTooMuch = 2.0;   // times that: the stated noise is too small, or the path wrong
+constexpr double kNisOfOne = 2.0;   // the joint NIS of a consistent estimator, a measurement
+constexpr double kTooMuch = 2.0;    // times that: the stated noise is too small, or the path wrong
+constexpr double kTooLittle = 0.1;  // times that: the stated noise is three times too large
 constexpr double kMostRejected = 0.15;  // a gate rejects a twentieth of right matches
 constexpr double kMostRejectedOfBurst = 0.5;
 constexpr int kLeastStatic = 5;  // used; three hold a camera, four cannot tell which is wrong
@@ -75,6 +76,19 @@ std::optional<std::string> noise_is_wrong(const Sums& s) {
       "joint NIS {:.1f} where {:.0f} is right, over {} frames: the stated noise is too small, or "
       "the estimate wrong",
       nis, kNisOfOne, s.frames);
+}
+
+// Of the whole run: a noise that is too large loses nobody, and is the same in all frames.
+std::optional<RunWarning> noise_is_too_large(const RunResult& run) {
+  const Sums s = sums_of(run.counts, 0, run.counts.size());
+  if (s.accepted < kLeastMeasurements) return std::nullopt;
+  const double nis = s.joint_nis / s.accepted;
+  if (!(nis > 0.0 && nis < kTooLittle * kNisOfOne)) return std::nullopt;  // nor unstated
+  return RunWarning{run.frames.front(),
+                    fmt::format("joint NIS {:.2g} where {:.0f} is right, over the whole run: the "
+                                "stated noise of the pixels is more than three times too large, "
+                                "and so are the covariances",
+                                nis, kNisOfOne)};
 }
 
 std::string rejected_text(const Sums& s) {
@@ -210,6 +224,7 @@ std::vector<RunWarning> self_check(const RunResult& run, std::span<const Rotatio
   check(kBurst, most_are_rejected_at_once);
   check(kFrames, nothing_is_used);
   check(kFrames, hardly_any_is_static);
+  if (auto warning = noise_is_too_large(run)) warnings.push_back(std::move(*warning));
   if (auto warning = nothing_static(run)) warnings.push_back(std::move(*warning));
   if (auto warning = all_on_one_line(run)) warnings.push_back(std::move(*warning));
   if (auto warning = time_jumps(run)) warnings.push_back(std::move(*warning));

@@ -45,6 +45,16 @@ TEST(SelfCheck, JointNisTellsOfWrongNoise) {
   EXPECT_GE(self_check(run).front().frame, 20);  // not before the trouble is in the sum
 }
 
+// Noise that is stated three times too large makes a ninth of 2.
+TEST(SelfCheck, JointNisTellsOfNoiseThatIsTooLarge) {
+  FrameCounts calm = kGood;
+  calm.joint_nis = 4.4;  // 0.22 a measurement
+  EXPECT_TRUE(self_check(run_of(calm, 0)).empty());
+  calm.joint_nis = 3.6;
+  EXPECT_TRUE(self_check(run_of(calm, 40)).empty());  // part of a run
+  EXPECT_THAT(only_reason(run_of(calm, 0)), HasSubstr("more than three times too large"));
+}
+
 TEST(SelfCheck, ManyRejected) {
   FrameCounts bad = kGood;
   bad.rejected = 6;  // of 27; 2 of 22 are none
@@ -153,7 +163,7 @@ TEST(SelfCheck, RotationDisagrees) {
   std::vector<RotationSpan> spans(20, good);
   const RunResult run = run_of(kGood, 0);
   EXPECT_TRUE(self_check(run, spans).empty());
-  for (std::size_t i : {4, 9, 12, 17}) {  // one in five is still allowed
+  for (std::size_t i : {4u, 9u, 12u, 17u}) {  // one in five is still allowed
     spans[i] = {.first = static_cast<int>(i), .last = 20, .five_point = 40, .estimate = 31};
   }
   EXPECT_TRUE(self_check(run, spans).empty());
