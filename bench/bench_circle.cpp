@@ -1,6 +1,6 @@
-// The default scenario from its first frame to its last, with the default configuration, but a
-// window of ten frames, for which the bar was stated: frames a second, and what the stages have of
-// it. Means over the whole run, because the map grows.
+// The default scenario from its first frame to its last, with the default configuration: frames a
+// second, what the stages have of it, and the window's frame against the arithmetic that it needs.
+// Means over the whole run, because the map grows.
 #include <benchmark/benchmark.h>
 
 #include "bench/frame_times.h"
@@ -10,10 +10,11 @@
 namespace slammot::bench {
 namespace {
 
-void circle(benchmark::State& state, const std::string& estimator) {
+// `frames`: of the window; 0: of the EKF.
+void circle(benchmark::State& state, const std::string& estimator, int frames) {
   const Sequence sequence = simulate("circle", {}, 1);
   Configuration configuration;
-  configuration.window.frames = 10;
+  if (frames > 0) configuration.window.frames = frames;
   const Setup setup = make_setup(sequence, configuration);
   for (auto _ : state) {
     const FrameTimes times = time_frames(setup, sequence.frames, estimator, configuration, 0);
@@ -25,8 +26,27 @@ void circle(benchmark::State& state, const std::string& estimator) {
     state.counters["collapse_share"] = times.mean("collapse") / total;
   }
 }
-BENCHMARK_CAPTURE(circle, ekf, "ekf")->Apply(one_pass);
-BENCHMARK_CAPTURE(circle, window, "window")->Apply(one_pass);
+BENCHMARK_CAPTURE(circle, ekf, "ekf", 0)->Apply(one_pass);
+BENCHMARK_CAPTURE(circle, window, "window", 10)->Apply(one_pass);
+BENCHMARK_CAPTURE(circle, window_20, "window", 20)->Apply(one_pass);
+
+// The rate of a bare product of matrices as large as the window's, in multiplications and additions
+// [Mflop/ms].
+void dgemm(benchmark::State& state) {
+  const int n = 400;
+  const double one = 1.0, zero = 0.0;
+  const std::vector<double> A(n * n, 1e-3), B(n * n, 1.0);
+  std::vector<double> C(n * n);
+  std::vector<double> times;
+  for (auto _ : state) {
+    times.push_back(milliseconds([&] {
+      dgemm_("N", "N", &n, &n, &n, &one, A.data(), &n, B.data(), &n, &zero, C.data(), &n);
+    }));
+    benchmark::DoNotOptimize(C.data());
+  }
+  state.counters["megaflops_per_ms"] = 2e-6 * n * n * n / median(times);
+}
+BENCHMARK(dgemm)->Iterations(40);
 
 }  // namespace
 }  // namespace slammot::bench

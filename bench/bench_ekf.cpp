@@ -28,7 +28,7 @@ void ekf_frame(benchmark::State& state) {
   const auto n = static_cast<int>(state.range(0));
   const CorridorOptions options{.frames = 100 + n};
   const Corridor corridor = make_corridor(options);
-  const Configuration configuration = corridor_configuration(options);
+  const Configuration configuration = thesis_configuration(options);
   const auto ekf = find_estimator("ekf").make(corridor.setup, configuration);
   std::size_t next = 0;
   FrameTimes warm, times;

@@ -14,9 +14,8 @@ void map_size(benchmark::State& state, const std::string& estimator, bool deferr
   const CorridorOptions options{
       .frames = 200 + 3 * static_cast<int>(landmarks), .visible = 30, .speed = 6.0};
   const Corridor corridor = make_corridor(options);
-  Configuration configuration = corridor_configuration(options);
+  Configuration configuration = thesis_configuration(options);
   configuration.ekf.deferred = deferred;
-  configuration.ekf.equivariant_scale = !deferred;
   const auto made = find_estimator(estimator).make(corridor.setup, configuration);
   FrameTimes warm, times;
   std::size_t next = 0;

@@ -22,7 +22,7 @@ void window_frame(benchmark::State& state) {
   const CorridorOptions options{.frames = kWarm + kTimed,
                                 .visible = static_cast<int>(state.range(0))};
   const Corridor corridor = make_corridor(options);
-  Configuration configuration = corridor_configuration(options);
+  Configuration configuration = thesis_configuration(options);
   configuration.model.policy.retain = Retain::kVisible;
   configuration.window.frames = static_cast<int>(state.range(1));
   for (auto _ : state) {
@@ -58,7 +58,7 @@ void static_window(benchmark::State& state) {
                                 .visible = static_cast<int>(state.range(0)),
                                 .moving_fraction = 0.0};
   const Corridor corridor = make_corridor(options);
-  Configuration configuration = corridor_configuration(options);
+  Configuration configuration = thesis_configuration(options);
   configuration.model.policy.retain = Retain::kVisible;
   configuration.model.classifier.name = "all_static";
   configuration.model.labels.rule = LabelRule::kOneWay;

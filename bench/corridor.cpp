@@ -51,6 +51,7 @@ Setup corridor_setup(double speed) {
   setup.pixel_sigma = kPixelSigma;
   setup.camera_noise = {0.3, 0.1, NoiseDiscretisation::kWhiteNoise};
   setup.prior = {0.15, 0.04, 0.0, 2.0, 0.1};
+  setup.prior.steady_time = 0.0;
   setup.initial.state = camera_at(0.0, speed);
   setup.initial.velocity_sigma = 0.1;
   setup.initial.angular_velocity_sigma = 0.1;
@@ -85,15 +86,23 @@ Corridor make_corridor(const CorridorOptions& options) {
   return corridor;
 }
 
-Configuration corridor_configuration(const CorridorOptions& options) {
+Configuration thesis_configuration(const CorridorOptions& options) {
   Configuration configuration;
-  configuration.model.labels.rule = LabelRule::kOneWay;  // what is timed is the thesis's filter
-  configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
-  configuration.model.collapse = Collapse::kDrop;
-  configuration.model.adaptive_motion = false;
-  configuration.model.depth_prior = DepthPriorSource::kFixed;
-  configuration.model.policy.max_visible = options.visible;
-  configuration.model.policy.max_landmarks = 100000;
+  ModelOptions& model = configuration.model;
+  model.landmark = "dynamic_inverse_depth";
+  model.classifier.name = "thesis";
+  model.labels.rule = LabelRule::kOneWay;
+  model.labels.first_frame = FirstFrameLabels::kStatic;
+  model.labels.sightings = 2;
+  model.collapse = Collapse::kDrop;
+  model.adaptive_motion = false;
+  model.depth_prior = DepthPriorSource::kFixed;
+  model.gate.given_others = 1.0;
+  model.policy.max_visible = options.visible;
+  model.policy.max_landmarks = 100000;
+  configuration.ekf.second_order = false;
+  configuration.ekf.static_enough = 0;
+  configuration.ekf.equivariant_scale = false;
   return configuration;
 }
 

@@ -23,7 +23,8 @@ struct CorridorOptions {
 
 Corridor make_corridor(const CorridorOptions& options);
 
-// The default configuration with as many landmarks as come, `visible` at a time.
-Configuration corridor_configuration(const CorridorOptions& options);
+// The thesis's models, labels and filter, behind a gate, with as many landmarks as come, `visible`
+// at a time: what is timed is the arithmetic of one joint update for all.
+Configuration thesis_configuration(const CorridorOptions& options);
 
 }  // namespace slammot::bench

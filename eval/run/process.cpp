@@ -22,15 +22,20 @@ void prepare_process() {
   mallopt(M_TOP_PAD, kKept / 8);
 }
 
-// OpenBLAS chooses its kernels when it is loaded, and 0.3.21 takes processors with AVX-512 that it
-// does not know for Haswell ones. What is loaded cannot choose again: the program starts anew.
+// As OpenBLAS 0.3.21 has it.
+std::optional<std::string> better_kernels(bool has_avx512, std::string_view chosen, bool stated) {
+  if (stated || !has_avx512 || chosen != "Haswell") return std::nullopt;
+  return "SkylakeX";
+}
+
+// OpenBLAS chooses its kernels when it is loaded. What is loaded cannot choose again: the program
+// starts anew.
 void choose_blas_kernels(char** argv) {
   constexpr const char* kVariable = "OPENBLAS_CORETYPE";
-  if (std::getenv(kVariable) || !__builtin_cpu_supports("avx512vl") ||
-      std::string_view(openblas_get_corename()) != "Haswell") {
-    return;
-  }
-  setenv(kVariable, "SkylakeX", 1);
+  const auto better = better_kernels(__builtin_cpu_supports("avx512vl"), openblas_get_corename(),
+                                     std::getenv(kVariable) != nullptr);
+  if (!better) return;
+  setenv(kVariable, better->c_str(), 1);
   execv("/proc/self/exe", argv);  // returns only when it fails: then the slow kernels serve
 }
 
