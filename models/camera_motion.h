@@ -19,8 +19,8 @@ namespace slammot {
 enum class NoiseDiscretisation { kWhiteNoise, kImpulse };
 
 struct MotionNoise {
-  double acceleration = 1.0;          // sigma_a [m/s^2]
-  double angular_acceleration = 1.0;  // sigma_alpha [rad/s^2]
+  double acceleration = 2.0;          // sigma_a [m/s^2]
+  double angular_acceleration = 2.0;  // sigma_alpha [rad/s^2]
   NoiseDiscretisation discretisation = NoiseDiscretisation::kWhiteNoise;
 };
 
