@@ -20,7 +20,7 @@ enum class NoiseDiscretisation { kWhiteNoise, kImpulse };
 
 struct MotionNoise {
   double acceleration = 2.0;          // sigma_a [m/s^2]
-  double angular_acceleration = 4.0;  // sigma_alpha [rad/s^2]
+  double angular_acceleration = 3.0;  // sigma_alpha [rad/s^2]
   NoiseDiscretisation discretisation = NoiseDiscretisation::kWhiteNoise;
 };
 
