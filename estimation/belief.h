@@ -56,7 +56,7 @@ class Belief {
   virtual void innovations(std::span<const Observation> measured, FrameInnovation& result) = 0;
 
   // After innovations(): the camera's noise in the newest step had `factor` times the variance that
-  // predict() was told. innovations() is then asked again.
+  // predict() was told. innovations() is then asked again. A belief without it keeps its step.
   virtual void widen(double /*factor*/) {}
 
   // After innovations(), which it leaves as they are: where these landmarks are expected, of those
