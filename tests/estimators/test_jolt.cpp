@@ -69,6 +69,22 @@ TEST_P(Jolt, AStepWidenedAfterwardsIsThatOfAWiderNoise) {
             1e-9 * told.camera.covariance.norm());
 }
 
+// The batch takes each step's noise from the window in front of it.
+TEST(JoltInTheWindow, TellsTheBatchOfAWidenedStep) {
+  const Sequence sequence = simulate("circle", {{"frames", "3"}}, 3);
+  const slammot::Setup setup = make_setup(sequence, Configuration{});
+  TrackHistories histories;
+  Window window(setup, ModelOptions{}, WindowOptions{}, &histories);
+  window.predict(sequence.frames[0], 0.0, setup.camera_noise, {});
+  window.finish();
+  window.predict(sequence.frames[1], 0.1, setup.camera_noise, {});
+  window.widen(49.0);
+  ASSERT_EQ(window.camera_noises().size(), 1u);
+  const MotionNoise &told = window.camera_noises().front(), &stated = setup.camera_noise;
+  EXPECT_DOUBLE_EQ(told.acceleration, 7.0 * stated.acceleration);
+  EXPECT_DOUBLE_EQ(told.angular_acceleration, 7.0 * stated.angular_acceleration);
+}
+
 // Everything is drawn from the models, but the camera's noise is stated four times too small.
 TEST_P(Jolt, NoiseStatedFourTimesTooSmallCostsLittle) {
   Configuration small;
