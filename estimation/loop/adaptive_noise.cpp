@@ -23,9 +23,12 @@ double AdaptiveNoise::Drift::add(const Eigen::Vector3d& change, const CameraEsti
   return variance > 0.0 ? std::max(1.0, mean.squaredNorm() / variance) : 1.0;
 }
 
-double AdaptiveNoise::surprise(double median_nis) {
-  asked_ += kForgetting * (factor_ * std::min(median_nis, kJolt) / kSharedNis - asked_);
+double AdaptiveNoise::jolt(double median_nis) {
   return median_nis > kJolt ? median_nis / kSharedNis : 1.0;
+}
+
+void AdaptiveNoise::note(double median_nis) {
+  asked_ += kForgetting * (factor_ * std::min(median_nis, kJolt) / kSharedNis - asked_);
 }
 
 void AdaptiveNoise::learn(const CameraEstimate& before, const CameraEstimate& after, double dt) {

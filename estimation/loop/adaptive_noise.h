@@ -15,12 +15,15 @@
 // step is that many times the stated one; never less, for a camera that has moved evenly may turn.
 // The same for omega, with sigma_alpha, on its own.
 //
-// Jolts. Let r be the NIS of the measurement of a static landmark on its own (gate.h), median over
-// the frame: wrong labels and wrong matches hardly move it. It is 1.4 on average where pixels are
-// most of S, and 2 where the camera's motion is, which all share. With f the factor of this step,
+// Jolts. Let r be the NIS of the measurement of a static landmark on its own, median over those that
+// agree with the accepted ones (gate.h), if they are most of the frame's static landmarks: wrong
+// labels and wrong matches hardly move it. It is 1.4 on average where pixels are most of S, and 2
+// where the camera's motion is, which all share. With f the factor of this step,
 //   m <- (1 - a) m + a f min(r, 13.8) / 2
-// is the factor that the measurements ask for, for both velocities. Beyond 13.8, the 99.9% quantile
-// of chi-square(2), this very step was noisier, and has r / 2 times the variance.
+// is the factor that the measurements ask for, for both velocities. Where r is beyond 13.8, the
+// 99.9% quantile of chi-square(2), this very step may have been noisier. It is tried with r / 2
+// times the variance; r is that of all static landmarks where most do not agree. If most agree
+// then, it stays so. If not, their matches are wrong: the step stays as predicted, and m as it was.
 #pragma once
 
 #include "estimation/estimator.h"
@@ -36,9 +39,11 @@ class AdaptiveNoise {
   const MotionNoise& of_next() const { return of_next_; }
   bool adapts() const { return adapts_; }
 
-  // Of a frame, before its update, the median r: the factor by which the variance of its step was
-  // more than that of of_next(); 1 where nothing says so.
-  double surprise(double median_nis);
+  // The factor by which a step's variance was more than stated, from r; 1 where r does not say so.
+  static double jolt(double median_nis);
+
+  // r of a frame whose static landmarks agree, with the step's noise as predicted.
+  void note(double median_nis);
 
   // The camera before and after a frame, `dt` [s] apart, where it adapts.
   void learn(const CameraEstimate& before, const CameraEstimate& after, double dt);

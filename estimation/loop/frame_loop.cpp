@@ -147,13 +147,8 @@ void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
   }
   belief_->innovations(measured_, innovation_);
   gate_.sort(innovation_);
-  const double factor = noise_.adapts() && dt > 0.0 ? surprise() : 1.0;
   // What has entered at this frame's camera would not move with it.
-  if (factor > 1.0 && report.admitted == 0) {
-    belief_->widen(factor);
-    belief_->innovations(measured_, innovation_);
-    gate_.sort(innovation_);
-  }
+  if (noise_.adapts() && dt > 0.0) follow_jolt(report.admitted == 0);
   for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
     const Observation& z = innovation_.z[i];
     in_view_.push_back(z);
@@ -183,17 +178,40 @@ void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
   }
 }
 
-// Of the frame's step, as its static landmarks have it; see adaptive_noise.h.
-double FrameLoop::surprise() {
-  static_nis_.clear();
+// The camera's step may have been noisier than was predicted (adaptive_noise.h).
+void FrameLoop::follow_jolt(bool may_widen) {
+  const Agreement stated = agreement();
+  const double factor = AdaptiveNoise::jolt(stated.median_nis);
+  bool most_agree = stated.most_agree;
+  if (factor > 1.0 && may_widen) {
+    widen(factor);
+    most_agree = agreement().most_agree;
+    if (!most_agree) widen(1.0 / factor);
+  }
+  if (most_agree) noise_.note(stated.median_nis);
+}
+
+void FrameLoop::widen(double factor) {
+  belief_->widen(factor);
+  belief_->innovations(measured_, innovation_);
+  gate_.sort(innovation_);
+}
+
+FrameLoop::Agreement FrameLoop::agreement() {
+  nis_.clear();
+  nis_of_agreed_.clear();
   for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
     if (manager_->records().at(innovation_.z[i].track).label != Label::kStatic) continue;
-    static_nis_.push_back(gate_.nis(i));
+    nis_.push_back(gate_.nis(i));
+    if (gate_.agrees(i)) nis_of_agreed_.push_back(gate_.nis(i));
   }
-  if (static_nis_.size() < kLeastStatic) return 1.0;
-  const auto middle = static_nis_.begin() + static_cast<std::ptrdiff_t>(static_nis_.size() / 2);
-  std::ranges::nth_element(static_nis_, middle);
-  return noise_.surprise(*middle);
+  if (nis_.size() < kLeastStatic) return {};
+  const std::size_t agreed = nis_of_agreed_.size();
+  const bool most_agree = agreed >= kLeastStatic && 2 * agreed > nis_.size();
+  std::vector<double>& of = most_agree ? nis_of_agreed_ : nis_;
+  const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);
+  std::ranges::nth_element(of, middle);
+  return {most_agree, *middle};
 }
 
 // Of what was measured as the gate had them, of the rest those in the image.

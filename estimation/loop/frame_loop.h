@@ -39,12 +39,21 @@ class FrameLoop final : public Estimator {
   const TrackRecords& records() const { return manager_->records(); }
 
  private:
+  // Of the frame's static landmarks: whether the gate accepts most of them, and the median of their
+  // NIS, of the accepted ones if it does.
+  struct Agreement {
+    bool most_agree = false;
+    double median_nis = 0.0;
+  };
+
   void start();
   FrameReport start_over(const TrackRecords& before, StageListener& stages);
   FrameReport advance(const Frame& frame, StageListener& stages);
   double time_since_last(const Frame& frame);
   void gate(const Frame& frame, double dt, FrameReport& report);
-  double surprise();
+  void follow_jolt(bool may_widen);
+  void widen(double factor);
+  Agreement agreement();
   void note_predictions(FrameReport& report);
 
   Setup setup_;
@@ -69,7 +78,7 @@ class FrameLoop final : public Estimator {
   std::vector<LeaveOneOut> rejected_, given_others_;  // rejected ones that a motion explains
   std::vector<int> unused_;                           // tracks: rejected, or not expected in view
   std::vector<LandmarkPoint> points_;
-  std::vector<double> static_nis_;
+  std::vector<double> nis_, nis_of_agreed_;  // of static landmarks
 };
 
 }  // namespace slammot

@@ -50,11 +50,14 @@ class FakeBelief final : public Belief {
     }
     const Eigen::Index size = 2 * std::ssize(result.z);
     result.HPHt.resize(size, size);
-    (*result.HPHt).setZero();
+    auto HPHt = *result.HPHt;
+    HPHt.setZero();
+    for (Eigen::Index i = 0; i < size; i += 2)
+      HPHt.col(i)(Eigen::seqN(0, size / 2, 2)).setConstant(shared);
   }
   void widen(double factor) override {
     call("widen");
-    widened = factor;
+    shared *= factor;
   }
   void predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) override {
     call("predict_pixels");
@@ -171,7 +174,7 @@ class FakeBelief final : public Belief {
   LandmarkPrior newest_prior;
   double last_dt = -1.0;
   MotionNoise last_noise;
-  double widened = 0.0;
+  double shared = 0.0;  // variance of what the camera's motion adds to every u [px^2]
   Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();  // of the camera, in each update
 
  private:

@@ -47,9 +47,9 @@ TEST_F(FrameLoopOf, WidensTheCamerasNoiseInACurve) {
   }
 }
 
-// Static landmarks that are all off by five sigma: the camera was jolted, and its step is widened
-// before the gate is asked. Not where that is switched off, where too few of them are seen, nor
-// where a landmark has just entered at this camera.
+// Static landmarks that are all off by the same six pixels: the camera was jolted, and its step is
+// widened before the gate is asked. Not where that is switched off, where too few of them are seen,
+// nor where a landmark has just entered at this camera.
 TEST_F(FrameLoopOf, AJoltWidensItsOwnStep) {
   const auto is_widened = [this](std::vector<int> tracks, bool adaptive, bool enters) {
     index_ = 0;
@@ -59,14 +59,17 @@ TEST_F(FrameLoopOf, AJoltWidensItsOwnStep) {
     models.adaptive_motion = adaptive;
     start(models);
     frame(tracks);
-    for (auto& [track, landmark] : belief_->state) landmark.error = 5.0;
+    belief_->shared = 1.0;
+    for (auto& [track, landmark] : belief_->state) landmark.error = 6.0;
     if (enters) tracks.push_back(9);
     frame(tracks);
     return std::ranges::count(calls_, "widen") == 1;
   };
   EXPECT_TRUE(is_widened({1, 2, 3, 4, 5}, true, false));
-  EXPECT_DOUBLE_EQ(belief_->widened, 25.0 / 2.0);
+  EXPECT_DOUBLE_EQ(belief_->shared, 36.0 / (1.0 + 1.0) / 2.0);
   EXPECT_EQ(std::ranges::count(calls_, "innovations"), 2);
+  frame({1, 2, 3, 4, 5});
+  EXPECT_GT(belief_->last_noise.acceleration, setup_.camera_noise.acceleration);
   EXPECT_FALSE(is_widened({1, 2, 3, 4, 5}, false, false));
   EXPECT_FALSE(is_widened({1, 2, 3, 4}, true, false));
   EXPECT_FALSE(is_widened({1, 2, 3, 4, 5}, true, true));
@@ -76,9 +79,26 @@ TEST_F(FrameLoopOf, AJoltWidensItsOwnStep) {
 TEST_F(FrameLoopOf, WhatAFewMeasureIsNoJolt) {
   start({});
   frame({1, 2, 3, 4, 5});
+  belief_->shared = 1.0;
   belief_->state.at(1).error = belief_->state.at(4).error = 50.0;
   frame({1, 2, 3, 4, 5});
   EXPECT_EQ(std::ranges::count(calls_, "widen"), 0);
+}
+
+// Most are off, but no motion of the camera makes them agree: their matches are wrong. The step
+// stays as it was, and nothing is learnt from it.
+TEST_F(FrameLoopOf, WrongMatchesAreNoJolt) {
+  start({});
+  frame({1, 2, 3, 4, 5, 6, 7});
+  belief_->shared = 1.0;
+  for (const int track : {1, 2, 3, 4}) belief_->state.at(track).error = 40.0 * (track - 2);
+  belief_->state.at(2).error = 160.0;
+  frame({1, 2, 3, 4, 5, 6, 7});
+  EXPECT_EQ(std::ranges::count(calls_, "widen"), 2);
+  EXPECT_NEAR(belief_->shared, 1.0, 1e-12);
+  EXPECT_THAT(belief_->used, ElementsAre(5, 6, 7));
+  frame({5, 6, 7});
+  EXPECT_EQ(belief_->last_noise.acceleration, setup_.camera_noise.acceleration);
 }
 
 // Four points of an object, none of which is known to move by itself.
