@@ -2,10 +2,14 @@
 // labels, poses and covariances.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
+#include "datasets/readers/reader.h"
 #include "datasets/simulation/scenario.h"
 #include "eval/configuration/setup.h"
 #include "smoothers/window/window.h"
 #include "tests/estimators/fixture/linearisation_fixture.h"
+#include "tests/paths.h"
 
 namespace slammot {
 namespace {
@@ -15,7 +19,6 @@ using test::relative_difference;
 std::unique_ptr<Estimator> window_with(WindowSolver solver, const Sequence& sequence,
                                        Configuration configuration) {
   configuration.window.frames = 10;
-  configuration.window.iterations = 100;
   configuration.window.linearisation_error = 0.0;  // Ceres goes on until nothing changes
   configuration.window.solver = solver;
   configuration.model.labels.first_frame = FirstFrameLabels::kStatic;  // every frame is solved once
@@ -34,12 +37,14 @@ void expect_same_labels(const std::vector<LandmarkEstimate>& a,
   }
 }
 
-void expect_same_runs(const Sequence& sequence, const Configuration& configuration) {
+// In all frames but the first few, where depths are hardly known: both go on for as many iterations
+// as they may there.
+void expect_same_runs(const Sequence& sequence, const Configuration& configuration, int first_few) {
   const auto own = window_with(WindowSolver::kOwn, sequence, configuration);
   const auto ceres = window_with(WindowSolver::kCeres, sequence, configuration);
   NoStages stages;
-  double worst_state = 0.0, worst_covariance = 0.0;
-  int decided = 0, same = 0;
+  double worst_of_first = 0.0, worst = 0.0;  // [sigma], and relative ones of covariances
+  int decided = 0;
   for (const Frame& frame : sequence.frames) {
     const FrameReport report = own->process(frame, stages);
     const FrameReport other = ceres->process(frame, stages);
@@ -48,28 +53,36 @@ void expect_same_runs(const Sequence& sequence, const Configuration& configurati
     const CameraEstimate x = own->camera(), y = ceres->camera();
     const Vector12d sigma = x.covariance.diagonal().cwiseSqrt();
     const Vector12d d = boxminus(y.state, x.state).cwiseQuotient(sigma);
-    const double covariance = relative_difference(y.covariance, x.covariance);
-    same += std::max(d.cwiseAbs().maxCoeff(), covariance) < 1e-6;
-    worst_state = std::max(worst_state, d.cwiseAbs().maxCoeff());
-    worst_covariance = std::max(worst_covariance, covariance);
+    double& largest = frame.index < first_few ? worst_of_first : worst;
+    largest = std::max(
+        {largest, d.cwiseAbs().maxCoeff(), relative_difference(y.covariance, x.covariance)});
   }
   const auto landmarks = own->landmarks();
   expect_same_labels(landmarks, ceres->landmarks());
   for (const LandmarkEstimate& l : landmarks) {
     decided += l.decision_frame && !l.by_rule;
   }
-  std::printf("largest difference: state %.2g sigma, covariance %.2g; %d of %zu frames the same\n",
-              worst_state, worst_covariance, same, sequence.frames.size());
-  // In single frames Ceres ends early, where no step lowers the cost by more than its rounding.
-  EXPECT_GE(same, 0.9 * static_cast<double>(sequence.frames.size()));
-  EXPECT_LT(worst_state, 1e-5);
-  EXPECT_LT(worst_covariance, 1e-5);
+  std::printf("largest difference: %.2g in the first %d frames, then %.2g\n", worst_of_first,
+              first_few, worst);
+  EXPECT_LT(worst_of_first, 1e-4);
+  EXPECT_LT(worst, 1e-6);
   EXPECT_GT(decided, 5);
 }
 
 TEST(WindowSolver, IsThatOfCeresOnCircle) {
-  expect_same_runs(simulate("circle", {{"frames", "40"}, {"first_moving", "0"}}, 2),
-                   Configuration{});
+  Configuration configuration;
+  configuration.window.iterations = 200;
+  expect_same_runs(simulate("circle", {{"frames", "40"}, {"first_moving", "0"}}, 2), configuration,
+                   0);
+}
+
+// The whole recording, three minutes: the same (docs/smoother.md).
+TEST(WindowSolver, IsThatOfCeresOnARecording) {
+  const std::filesystem::path folder = std::filesystem::path(test::kSharedData) / "synth19_1px";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
+  Configuration configuration;
+  configuration.window.iterations = 1000;
+  expect_same_runs(select_frames(read_sequence(folder), 0, 39, 1), configuration, 5);
 }
 
 TEST(WindowSolver, CeresNeedsTheJacobiansOfTheCost) {
