@@ -37,10 +37,7 @@ std::string parameters_help() {
   for (const ScenarioRow& row : scenario_table()) {
     text += scenario_help(row.name, row.description, row.parameters());
   }
-  RoomOptions room;
-  return text + scenario_help(name_of(room.scene),
-                              "with --render: textured walls and boxes, some of them moving",
-                              describe(parameters(room)));
+  return text;
 }
 
 // Of the scenes with surfaces.

@@ -71,22 +71,28 @@ class LatestSequences {
   std::deque<Kept> kept_;
 };
 
-Sequence simulate_basement(std::string_view name, const ScenarioOverrides& overrides,
-                           std::uint64_t seed) {
+RoomOptions room_options() { return {}; }
+
+template <RoomOptions defaults()>
+Sequence simulate_scene(std::string_view name, const ScenarioOverrides& overrides,
+                        std::uint64_t seed) {
   static LatestSequences latest;
-  RoomOptions options = basement_options();
+  RoomOptions options = defaults();
   apply(overrides, name, parameters(options));
   return latest.get(options, seed);
 }
 
-std::vector<ScenarioParameter> basement_parameters() {
-  RoomOptions options = basement_options();
+template <RoomOptions defaults()>
+std::vector<ScenarioParameter> scene_parameters() {
+  RoomOptions options = defaults();
   return describe(parameters(options));
 }
 
 constexpr ScenarioRow kRows[] = {
     {"basement", "from pixels: a robot's loop in a rendered room, a person passes three times",
-     simulate_basement, basement_parameters}};
+     simulate_scene<basement_options>, scene_parameters<basement_options>},
+    {"room", "from pixels: a small rendered room, seen from one end, some boxes in it move",
+     simulate_scene<room_options>, scene_parameters<room_options>}};
 
 }  // namespace
 

@@ -7,9 +7,9 @@
 
 namespace slammot {
 
-// `basement` (room.h). The sequence that `slammot simulate --render` and `slammot track` would make
-// of its images, with the truth of every track, and no images. A sequence takes minutes: the latest
-// are kept, for the other estimators that a study gives the same seed.
+// `room` and `basement` (room.h). The sequence that `slammot simulate --render` and `slammot track`
+// would make of its images, with the truth of every track, and no images. A sequence takes minutes:
+// the latest are kept, for the other estimators that a study gives the same seed.
 std::span<const ScenarioRow> rendered_scenarios();
 
 }  // namespace slammot

@@ -144,34 +144,37 @@ TEST(Basement, KnowsItsParameters) {
 }
 
 // `slammot simulate --render` and `slammot track` make the same of the images in files.
-TEST(Basement, IsTheSameThroughFiles) {
+TEST(RenderedScenarios, AreTheSameThroughFiles) {
   const ScenarioOverrides small{{"frames", "4"}, {"width", "240"}, {"height", "180"}};
   const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("slammot-basement-" + std::to_string(getpid()));
-  // One thread, as in test_rendered.cpp.
-  cv::setNumThreads(1);
-  write_room(basement_options(), small, 5, folder);
+      std::filesystem::temp_directory_path() / ("slammot-rendered-" + std::to_string(getpid()));
+  cv::setNumThreads(1);  // as in test_rendered.cpp
   TrackOptions options;
   options.threads = 1;
-  Sequence tracked = track_images(read_images(folder), options).sequence;
-  add_room_truth(folder, tracked);
-  const Sequence direct = rendered_scenarios().front().simulate("basement", small, 5);
-  ASSERT_EQ(tracked.frames.size(), direct.frames.size());
-  for (std::size_t i = 0; i < direct.frames.size(); ++i) {
-    const auto& a = tracked.frames[i].observations;
-    const auto& b = direct.frames[i].observations;
-    ASSERT_EQ(a.size(), b.size());
-    for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].pixel, b[k].pixel);
+  for (const ScenarioRow& row : rendered_scenarios()) {
+    const bool is_basement = row.name == std::string_view("basement");
+    write_room(is_basement ? basement_options() : RoomOptions{}, small, 5, folder);
+    Sequence tracked = track_images(read_images(folder), options).sequence;
+    add_room_truth(folder, tracked);
+    std::filesystem::remove_all(folder);
+    const Sequence direct = row.simulate(row.name, small, 5);
+    ASSERT_EQ(tracked.frames.size(), direct.frames.size());
+    for (std::size_t i = 0; i < direct.frames.size(); ++i) {
+      const auto& a = tracked.frames[i].observations;
+      const auto& b = direct.frames[i].observations;
+      ASSERT_EQ(a.size(), b.size());
+      for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].pixel, b[k].pixel);
+    }
+    ASSERT_EQ(tracked.landmarks.size(), direct.landmarks.size());
+    for (const auto& [track, landmark] : direct.landmarks) {
+      EXPECT_EQ(tracked.landmarks.at(track).label, landmark.label);
+      EXPECT_LT((tracked.landmarks.at(track).by_frame.begin()->second.position -
+                 landmark.by_frame.begin()->second.position)
+                    .norm(),
+                1e-9);
+    }
+    EXPECT_EQ(tracked.pixel_sigma, direct.pixel_sigma);
   }
-  ASSERT_EQ(tracked.landmarks.size(), direct.landmarks.size());
-  for (const auto& [track, landmark] : direct.landmarks) {
-    EXPECT_EQ(tracked.landmarks.at(track).label, landmark.label);
-    EXPECT_LT((tracked.landmarks.at(track).by_frame.begin()->second.position -
-               landmark.by_frame.begin()->second.position)
-                  .norm(),
-              1e-9);
-  }
-  std::filesystem::remove_all(folder);
   cv::setNumThreads(-1);
 }
 
