@@ -39,8 +39,8 @@ class FrameLoop final : public Estimator {
   const TrackRecords& records() const { return manager_->records(); }
 
  private:
-  // Of the frame's static landmarks: whether the gate accepts most of them, and the median of their
-  // NIS, of the accepted ones if it does.
+  // Of the frame's static landmarks: whether most agree with the accepted measurements, and the
+  // median NIS, of those that agree if they are most.
   struct Agreement {
     bool most_agree = false;
     double median_nis = 0.0;
