@@ -55,8 +55,9 @@ class Belief {
   // out.
   virtual void innovations(std::span<const Observation> measured, FrameInnovation& result) = 0;
 
-  // After innovations(): the camera's noise in the newest step had `factor` times the variance that
-  // predict() was told. innovations() is then asked again. A belief without it keeps its step.
+  // After innovations(): the camera's noise in the newest step has `factor` times the variance that
+  // it has now. A factor below 1 takes an earlier call back. innovations() is asked again after
+  // each call. A belief without it keeps its step.
   virtual void widen(double /*factor*/) {}
 
   // After innovations(), which it leaves as they are: where these landmarks are expected, of those

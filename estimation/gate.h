@@ -17,6 +17,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "estimation/options.h"
@@ -51,8 +52,11 @@ class FrameGate {
   Eigen::Matrix2d S(std::size_t i) const { return S(i, i); }
   bool accepts(std::size_t i) const { return is_accepted_[i] != 0; }
   bool accepts_alone(std::size_t i) const { return !asks_alone_ || nis_[i] <= alone_; }
-  // With those accepted, whether or not it passes on its own.
-  bool agrees(std::size_t i) const { return accepts(i) || nis_given_others_[i] <= given_others_; }
+  // With those accepted, whether or not it passes on its own. Where `given_others` is not asked,
+  // the accepted ones.
+  bool agrees(std::size_t i) const {
+    return accepts(i) || (std::isfinite(given_others_) && nis_given_others_[i] <= given_others_);
+  }
   double nis(std::size_t i) const { return nis_[i]; }                            // on its own
   double nis_given_others(std::size_t i) const { return nis_given_others_[i]; }  // those accepted
   // Whether it would pass if its landmark had moved by so many pixels (one sigma, either way).

@@ -15,15 +15,17 @@
 // step is that many times the stated one; never less, for a camera that has moved evenly may turn.
 // The same for omega, with sigma_alpha, on its own.
 //
-// Jolts. Let r be the NIS of the measurement of a static landmark on its own, median over those that
-// agree with the accepted ones (gate.h), if they are most of the frame's static landmarks: wrong
-// labels and wrong matches hardly move it. It is 1.4 on average where pixels are most of S, and 2
-// where the camera's motion is, which all share. With f the factor of this step,
+// Jolts. Static landmarks agree where most of them, and five at least, agree with the accepted
+// measurements (gate.h). Let r be the NIS of the measurement of a static landmark on its own,
+// median over those that agree: wrong labels and wrong matches hardly move it. It is 1.4 on average
+// where pixels are most of S, and 2 where the camera's motion is, which all share. With f the
+// factor of this step,
 //   m <- (1 - a) m + a f min(r, 13.8) / 2
-// is the factor that the measurements ask for, for both velocities. Where r is beyond 13.8, the
-// 99.9% quantile of chi-square(2), this very step may have been noisier. It is tried with r / 2
-// times the variance; r is that of all static landmarks where most do not agree. If most agree
-// then, it stays so. If not, their matches are wrong: the step stays as predicted, and m as it was.
+// is the factor that the measurements ask for, for both velocities. Where they do not agree, r is
+// the median over all static ones, and m stays. Beyond 13.8, the 99.9% quantile of chi-square(2),
+// this very step may have been noisier: it is tried with r / 2 times the variance. If they agree
+// then, it stays so, and m learns. If not, their matches are wrong, and it is taken back. No step
+// is tried so in a frame in which a landmark has entered at the camera as it was before.
 #pragma once
 
 #include "estimation/estimator.h"
@@ -39,7 +41,8 @@ class AdaptiveNoise {
   const MotionNoise& of_next() const { return of_next_; }
   bool adapts() const { return adapts_; }
 
-  // The factor by which a step's variance was more than stated, from r; 1 where r does not say so.
+  // The factor by which a step's variance was more than predicted, from r; 1 where r does not say
+  // so.
   static double jolt(double median_nis);
 
   // r of a frame whose static landmarks agree, with the step's noise as predicted.

@@ -10,7 +10,7 @@ namespace {
 // In one frame, so that its time is bounded. What is still wrong waits for the next.
 constexpr int kMostRevisions = 10;
 
-// Whose median tells of the camera: fewer may be those of one mover.
+// That agree, or whose median tells of the camera: fewer may be those of one mover.
 constexpr std::size_t kLeastStatic = 5;
 
 // Frames that are processed again, in units of those that the first labels are open for: in one
@@ -180,18 +180,18 @@ void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
 
 // The camera's step may have been noisier than was predicted (adaptive_noise.h).
 void FrameLoop::follow_jolt(bool may_widen) {
-  const Agreement stated = agreement();
-  const double factor = AdaptiveNoise::jolt(stated.median_nis);
-  bool most_agree = stated.most_agree;
+  const Agreement predicted = agreement();
+  const double factor = AdaptiveNoise::jolt(predicted.median_nis);
+  bool most_agree = predicted.most_agree;
   if (factor > 1.0 && may_widen) {
-    widen(factor);
+    scale_step(factor);
     most_agree = agreement().most_agree;
-    if (!most_agree) widen(1.0 / factor);
+    if (!most_agree) scale_step(1.0 / factor);
   }
-  if (most_agree) noise_.note(stated.median_nis);
+  if (most_agree) noise_.note(predicted.median_nis);
 }
 
-void FrameLoop::widen(double factor) {
+void FrameLoop::scale_step(double factor) {
   belief_->widen(factor);
   belief_->innovations(measured_, innovation_);
   gate_.sort(innovation_);

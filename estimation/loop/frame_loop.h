@@ -52,7 +52,7 @@ class FrameLoop final : public Estimator {
   double time_since_last(const Frame& frame);
   void gate(const Frame& frame, double dt, FrameReport& report);
   void follow_jolt(bool may_widen);
-  void widen(double factor);
+  void scale_step(double factor);
   Agreement agreement();
   void note_predictions(FrameReport& report);
 

@@ -233,10 +233,11 @@ std::vector<ConfigurationKey> statement_keys() {
              SLAMMOT_FIELD(motion.acceleration)),
       number("motion.angular_acceleration", "camera noise [rad/s^2]", kNotNegative,
              SLAMMOT_FIELD(motion.angular_acceleration)),
-      flag("motion.adaptive",
-           "the camera's noise is wider than stated while its velocity goes on changing in one "
-           "direction",
-           SLAMMOT_FIELD(model.adaptive_motion)),
+      flag(
+          "motion.adaptive",
+          "the camera's noise is wider than stated in a curve, and where the static landmarks of a "
+          "frame say that it is larger",
+          SLAMMOT_FIELD(model.adaptive_motion)),
       option<NoiseDiscretisation>("motion.discretisation", "of the camera's noise",
                                   motion_choices(), SLAMMOT_FIELD(motion.discretisation)),
       option<DepthPriorSource>(

@@ -73,6 +73,7 @@ class LatestSequences {
 
 RoomOptions room_options() { return {}; }
 
+// Each scene keeps its own latest: key_of() does not say which it is.
 template <RoomOptions defaults()>
 Sequence simulate_scene(std::string_view name, const ScenarioOverrides& overrides,
                         std::uint64_t seed) {

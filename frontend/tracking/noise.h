@@ -23,7 +23,7 @@ struct TrackNoise {
   int pairs = 0;       // of frames
 };
 
-// What is stated at least [px]: the distances hold neither what a track keeps for its whole life
+// What is stated at least [px]: the distances hold neither what of a track lasts for many frames
 // nor the tail of bad tracks. By the NEES of the rendered room, whose pixels have 0.045 px
 // (docs/recordings.md, also on what it costs).
 inline constexpr double kLeastStated = 0.1;

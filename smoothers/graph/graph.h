@@ -72,7 +72,7 @@ class Graph {
   // Factors are linearised as they are added. Throws std::invalid_argument when Q is singular.
   void add_initial(const GraphCamera& camera, const InitialCamera& initial);
   void add_motion(const GraphCamera& from, const GraphCamera& to, const Matrix12d& Q, double dt);
-  void widen_newest_motion(double factor);  // its Q is that many times larger
+  void widen_newest_motion(double factor);  // Q := factor Q
   void add_scene(const LandmarkPrior& prior);
 
   GraphLandmark& operator[](LandmarkId id) { return landmarks[static_cast<std::size_t>(id)]; }

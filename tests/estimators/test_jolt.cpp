@@ -24,7 +24,7 @@ struct Second {
   Eigen::MatrixXd HPHt;
   CameraEstimate camera;
 };
-Second second_frame(const std::string& family, double told, double widened) {
+Second second_frame(const std::string& family, double told, const std::vector<double>& widened) {
   const Sequence sequence = simulate("circle", {{"moving", "0"}}, 3);
   const slammot::Setup setup = make_setup(sequence, Configuration{});
   const auto belief = made(family, setup);
@@ -44,8 +44,8 @@ Second second_frame(const std::string& family, double told, double widened) {
   }
   FrameInnovation innovation;
   belief->innovations(measured, innovation);
-  if (widened != 1.0) {
-    belief->widen(widened);
+  for (const double factor : widened) {
+    belief->widen(factor);
     belief->innovations(measured, innovation);
   }
   const Eigen::MatrixXd HPHt = (*innovation.HPHt).selfadjointView<Eigen::Lower>();
@@ -58,15 +58,18 @@ class Jolt : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Families, Jolt, testing::Values("ekf", "window"),
                          [](const auto& family) { return family.param; });
 
+void expect_same(const Second& a, const Second& b) {
+  EXPECT_LT((a.HPHt - b.HPHt).norm(), 1e-9 * b.HPHt.norm());
+  EXPECT_LT(boxminus(a.camera.state, b.camera.state).norm(), 1e-9);
+  EXPECT_LT((a.camera.covariance - b.camera.covariance).norm(), 1e-9 * b.camera.covariance.norm());
+}
+
 TEST_P(Jolt, AStepWidenedAfterwardsIsThatOfAWiderNoise) {
-  const Second told = second_frame(GetParam(), 49.0, 1.0);
-  const Second widened = second_frame(GetParam(), 1.0, 49.0);
-  const Second as_stated = second_frame(GetParam(), 1.0, 1.0);
-  EXPECT_LT((widened.HPHt - told.HPHt).norm(), 1e-9 * told.HPHt.norm());
+  const Second told = second_frame(GetParam(), 49.0, {});
+  const Second as_stated = second_frame(GetParam(), 1.0, {});
   EXPECT_GT((as_stated.HPHt - told.HPHt).norm(), 0.01 * told.HPHt.norm());
-  EXPECT_LT(boxminus(widened.camera.state, told.camera.state).norm(), 1e-9);
-  EXPECT_LT((widened.camera.covariance - told.camera.covariance).norm(),
-            1e-9 * told.camera.covariance.norm());
+  expect_same(second_frame(GetParam(), 1.0, {49.0}), told);
+  expect_same(second_frame(GetParam(), 1.0, {49.0, 1.0 / 49.0}), as_stated);
 }
 
 // The batch takes each step's noise from the window in front of it.
@@ -83,6 +86,8 @@ TEST(JoltInTheWindow, TellsTheBatchOfAWidenedStep) {
   const MotionNoise &told = window.camera_noises().front(), &stated = setup.camera_noise;
   EXPECT_DOUBLE_EQ(told.acceleration, 7.0 * stated.acceleration);
   EXPECT_DOUBLE_EQ(told.angular_acceleration, 7.0 * stated.angular_acceleration);
+  window.widen(1.0 / 49.0);
+  EXPECT_DOUBLE_EQ(told.acceleration, stated.acceleration);
 }
 
 // Geometric mean over three seeds of the position's RMSE.
@@ -116,7 +121,9 @@ TEST_P(Jolt, NoiseStatedFourTimesTooSmallCostsLittle) {
   EXPECT_GT(as_told, 2.5 * right);
 }
 
-// Half of the matches are wrong, so that their NIS is the median in some frames.
+// Half of the matches are wrong, so that their NIS is the median in some frames. A median over all
+// static landmarks, of b40cd22's parent, has 2 to 3 times the error of noise that does not adapt
+// (EKF), and 1.6 to 1.9 times (window).
 TEST_P(Jolt, WrongMatchesAreNotTakenForOne) {
   Configuration fixed;
   fixed.model.adaptive_motion = false;

@@ -76,7 +76,8 @@ TEST(WindowSolver, IsThatOfCeresOnCircle) {
                    0);
 }
 
-// The whole recording, three minutes: the same (docs/smoother.md).
+// The first 40 frames. The whole recording agrees as well, and takes three minutes
+// (docs/smoother.md).
 TEST(WindowSolver, IsThatOfCeresOnARecording) {
   const std::filesystem::path folder = std::filesystem::path(test::kSharedData) / "synth19_1px";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;

@@ -1,5 +1,5 @@
 // The rendered basement: a loop that closes, a person who passes three times, and the way from its
-// pixels to a sequence with truth.
+// pixels to a sequence with truth; that of the rendered room as well.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -152,6 +152,7 @@ TEST(RenderedScenarios, AreTheSameThroughFiles) {
   TrackOptions options;
   options.threads = 1;
   for (const ScenarioRow& row : rendered_scenarios()) {
+    SCOPED_TRACE(row.name);
     const bool is_basement = row.name == std::string_view("basement");
     write_room(is_basement ? basement_options() : RoomOptions{}, small, 5, folder);
     Sequence tracked = track_images(read_images(folder), options).sequence;

@@ -97,7 +97,8 @@ TEST(Optimise, CovariancesAreThoseOfCeres) {
     const std::vector<LandmarkId> landmarks{Scene::kPlain, Scene::kMoving, Scene::kFreed};
     equations.prepare(graph, landmarks);
     for (const LandmarkId id : landmarks) {
-      EXPECT_LT(test::difference(equations.joint(id), joint_of_ceres(scene, id)), 1e-9) << id;
+      EXPECT_LT(test::difference(equations.joint(id), joint_of_ceres(scene, id)), 1e-9)
+          << id << ' ' << leaves;
     }
   }
 }
