@@ -13,9 +13,6 @@ namespace {
 
 using Eigen::Index;
 
-// Fewer that agree may be those of one mover.
-constexpr std::size_t kQuorum = 5;
-
 Index row(std::size_t i) { return static_cast<Index>(2 * i); }
 
 double squared(const Eigen::Vector2d& nu, const Eigen::Matrix2d& S) {

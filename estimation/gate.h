@@ -35,6 +35,9 @@ struct FrameInnovation {
   GrowingMatrix HPHt;
 };
 
+// Fewer that agree may be those of one mover.
+inline constexpr std::size_t kQuorum = 5;
+
 // The 2-dof chi-square quantile, in closed form.
 double pixel_threshold(double probability);
 

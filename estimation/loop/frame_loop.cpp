@@ -10,9 +10,6 @@ namespace {
 // In one frame, so that its time is bounded. What is still wrong waits for the next.
 constexpr int kMostRevisions = 10;
 
-// That agree, or whose median tells of the camera: fewer may be those of one mover.
-constexpr std::size_t kLeastStatic = 5;
-
 // Frames that are processed again, in units of those that the first labels are open for: in one
 // frame and in a run. `circle` and `square` need one and five, the desk among the recordings three
 // and fifteen.
@@ -205,9 +202,9 @@ FrameLoop::Agreement FrameLoop::agreement() {
     nis_.push_back(gate_.nis(i));
     if (gate_.agrees(i)) nis_of_agreed_.push_back(gate_.nis(i));
   }
-  if (nis_.size() < kLeastStatic) return {};
+  if (nis_.size() < kQuorum) return {};
   const std::size_t agreed = nis_of_agreed_.size();
-  const bool most_agree = agreed >= kLeastStatic && 2 * agreed > nis_.size();
+  const bool most_agree = agreed >= kQuorum && 2 * agreed > nis_.size();
   std::vector<double>& of = most_agree ? nis_of_agreed_ : nis_;
   const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);
   std::ranges::nth_element(of, middle);
