@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <set>
 
@@ -42,6 +43,9 @@ struct TrackArguments {
   TrackOptions options;
 };
 
+const std::map<std::string, NoiseModel> kNoiseModels{{"common", NoiseModel::kCommon},
+                                                     {"alignment", NoiseModel::kAlignment}};
+
 // As seen from the folder that is written.
 void relocate_images(const Path& output, Sequence& sequence) {
   // Absolute first: what does not exist yet would stay relative.
@@ -53,10 +57,18 @@ void relocate_images(const Path& output, Sequence& sequence) {
   for (std::string& image : sequence.images) image = (step / image).lexically_normal().string();
 }
 
-std::string noise_text(const TrackedImages& tracked) {
+std::string noise_text(const TrackedImages& tracked, NoiseModel model) {
   if (!tracked.noise) {
     return fmt::format("{} px as stated; too few tracks to measure it",
                        tracked.sequence.pixel_sigma);
+  }
+  if (model == NoiseModel::kAlignment) {
+    return fmt::format(
+        "{:.4g} px, the median of all measurements, by alignment; common to all is {:.4g} px, "
+        "median "
+        "Sampson distance to a fundamental matrix, median over {} pairs of frames {} apart",
+        tracked.sequence.pixel_sigma, tracked.noise->sigma, tracked.noise->pairs,
+        tracked.noise->lag);
   }
   return fmt::format(
       "{:.4g} px as stated; measured {:.4g} px, q75 of the Sampson distance to a fundamental "
@@ -121,7 +133,8 @@ void add_description(const TrackArguments& arguments, const TrackedImages& track
               fmt::format("version: \"{}\"\ncommand: \"{}\"\nframes: {}\nframes_skipped: {}\n"
                           "tracks: {}\npixel_sigma: \"{}\"\n",
                           version_text(), command_line(), tracked.sequence.frames.size(),
-                          tracked.skipped.size(), tracked.tracks, noise_text(tracked)));
+                          tracked.skipped.size(), tracked.tracks,
+                          noise_text(tracked, arguments.options.noise)));
 }
 
 int execute(TrackArguments arguments) {
@@ -156,7 +169,7 @@ int execute(TrackArguments arguments) {
   const auto frames = static_cast<double>(tracked.sequence.frames.size());
   fmt::print("{}: {} frames, {} skipped, {} tracks, {:.1f} frames/s\npixel_sigma {}\n{}\n",
              tracked.sequence.name, frames, tracked.skipped.size(), tracked.tracks,
-             frames / seconds, noise_text(tracked), arguments.output);
+             frames / seconds, noise_text(tracked, arguments.options.noise), arguments.output);
   return 0;
 }
 
@@ -197,6 +210,14 @@ void add_track(CLI::App& app, int& exit_code) {
   command->add_option("--points", options.tracker.corners.count, "corners looked for in an image")
       ->check(CLI::Range(8, 10000))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--noise", options.noise,
+          "common: one sigma for all measurements; alignment: each its own, by how well its "
+          "patch fits")
+      ->transform(CLI::CheckedTransformer(kNoiseModels))
+      ->type_name("common|alignment")
+      ->default_str("common");
   command->add_flag("--skip-bad-frames", options.skip_bad_frames,
                     "leave out images that cannot be used, and count them");
   command->add_flag("--moving-start", options.moving_start,

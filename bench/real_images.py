@@ -1,8 +1,8 @@
-"""real_images.py SLAMMOT DATA OUTPUT [--sensitivity | --first-frames] [NAME ...]: real images through `track` and `run` with the defaults; the tables of docs/recordings.md.
+"""real_images.py SLAMMOT DATA OUTPUT [--sensitivity | --first-frames] [--alignment] [NAME ...]: real images through `track` and `run` with the defaults; the tables of docs/recordings.md.
 
 Stated are camera and scale, nothing else: what a recording says of its camera's accelerations and of depths is taken out, and the estimators'
 settings are the defaults. With --sensitivity EKF and window run again with one setting changed at a time; with --first-frames all run from other
-first frames, whose true pose and velocity are stated then. bench/real/regions.csv marks by hand what is seen where: a track belongs to an object if in a marked frame it lies in
+first frames, whose true pose and velocity are stated then. With --alignment the images are tracked with `--noise alignment`. bench/real/regions.csv marks by hand what is seen where: a track belongs to an object if in a marked frame it lies in
 the object's box. A folder of OUTPUT that is there already is not computed again. ATE is after alignment by Sim(3), in per cent of the true path
 from the first frame used; the rotation's error is the RMSE over all frames without alignment, and that times 50 m over the path.
 """
@@ -66,11 +66,11 @@ def path_of(tracked, first=0):
     return sum(map(math.dist, points, points[1:]))
 
 
-def tracked_by(program, data, output, name):
+def tracked_by(program, data, output, name, noise=()):
     tracked = output / f"{name}-tracked"
     if not tracked.exists():
         folder, arguments = SEQUENCES[name]
-        subprocess.run([program, "track", data / folder, "--output", tracked, *arguments], check=True)
+        subprocess.run([program, "track", data / folder, "--output", tracked, *arguments, *noise], check=True)
         statements = tracked / "sequence.yaml"
         kept = [line for line in statements.read_text(encoding="utf-8").splitlines(keepends=True)
                 if not line.startswith(("motion:", "prior:"))]
@@ -135,7 +135,8 @@ def print_labels(name, tracked, run):
 def main(program, data, output, names, options):
     paths, tracked = {}, {}
     for name in names:
-        tracked[name] = tracked_by(program, pathlib.Path(data), pathlib.Path(output), name)
+        noise = ["--noise", "alignment"] if "--alignment" in options else []
+        tracked[name] = tracked_by(program, pathlib.Path(data), pathlib.Path(output), name, noise)
         paths[name] = path_of(tracked[name])
 
     def run(name, estimator, settings=()):
@@ -158,8 +159,8 @@ def main(program, data, output, names, options):
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore")  # of fits that begin beside the lens
-    options = [word for word in sys.argv[1:] if word in ("--sensitivity", "--first-frames")]
+    options = [word for word in sys.argv[1:] if word in ("--sensitivity", "--first-frames", "--alignment")]
     words = [word for word in sys.argv[1:] if word not in options]
-    if len(words) < 3 or len(options) > 1:
+    if len(words) < 3 or {"--sensitivity", "--first-frames"} <= set(options):
         sys.exit(__doc__.splitlines()[0])
     main(*words[:3], words[3:] or list(SEQUENCES), options)

@@ -21,6 +21,13 @@ double squared(const Eigen::Vector2d& nu, const Eigen::Matrix2d& S) {
 
 }  // namespace
 
+void add_pixel_noise(std::span<const Observation> z, double pixel_sigma, GrowingMatrix& S) {
+  auto diagonal = (*S).diagonal();
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    diagonal.segment<2>(row(i)).array() += z[i].variance(pixel_sigma);
+  }
+}
+
 double pixel_threshold(double probability) { return -2.0 * std::log1p(-probability); }
 
 FrameGate::Block FrameGate::S(std::size_t i, std::size_t j) const {
@@ -36,7 +43,7 @@ void FrameGate::sort(const FrameInnovation& frame) {
   const std::size_t n = frame.z.size();
   S_.resize(row(n), row(n));
   *S_ = (*frame.HPHt).selfadjointView<Eigen::Lower>();
-  (*S_).diagonal().array() += variance_;
+  add_pixel_noise(frame.z, pixel_sigma_, S_);
   is_accepted_.assign(n, 0);
   nis_.resize(n);
   nis_given_others_.resize(n);

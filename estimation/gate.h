@@ -1,6 +1,6 @@
 // The gate of all estimators: which of a frame's measurements are used.
 //
-// Each on its own (thesis): nu_i' S_ii^-1 nu_i, with S = H P H' + sigma^2 I, against a chi-square
+// Each on its own (thesis): nu_i' S_ii^-1 nu_i, with S = H P H' + R, against a chi-square
 // quantile. What all of a frame share, above all the camera's motion, is in every S_ii, so that
 // this alone may let anything pass.
 //
@@ -18,6 +18,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "estimation/options.h"
@@ -38,6 +39,9 @@ struct FrameInnovation {
 // Fewer that agree may be those of one mover.
 inline constexpr std::size_t kQuorum = 5;
 
+// S = H P H' + R: adds R of these measurements, two rows each in their order, to the diagonal.
+void add_pixel_noise(std::span<const Observation> z, double pixel_sigma, GrowingMatrix& S);
+
 // The 2-dof chi-square quantile, in closed form.
 double pixel_threshold(double probability);
 
@@ -46,7 +50,7 @@ class FrameGate {
   FrameGate(const GateOptions& options, double pixel_sigma)
       : alone_(pixel_threshold(options.probability)),
         given_others_(pixel_threshold(options.given_others)),
-        variance_(pixel_sigma * pixel_sigma) {}
+        pixel_sigma_(pixel_sigma) {}
 
   // Throws Diverged when S is not positive definite.
   void sort(const FrameInnovation& frame);
@@ -78,7 +82,7 @@ class FrameGate {
   double given_accepted(const FrameInnovation& frame, std::size_t i) const;
 
   double alone_, given_others_;  // thresholds
-  double variance_;
+  double pixel_sigma_;
   double joint_nis_ = 0.0;
   bool asks_alone_ = true;
   std::vector<char> is_accepted_;

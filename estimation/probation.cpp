@@ -9,17 +9,17 @@ Probation::Probation(int frames) : frames_(frames) {
 }
 
 bool Probation::is_passed(int track) const {
-  const auto found = pixels_.find(track);
-  return found != pixels_.end() && std::ssize(found->second) == frames_ - 1;
+  const auto found = seen_.find(track);
+  return found != seen_.end() && std::ssize(found->second) == frames_ - 1;
 }
 
 std::vector<Sighting> Probation::sightings(int track, double timestamp) const {
   std::vector<Sighting> result;
-  const std::vector<Eigen::Vector2d>& pixels = pixels_.at(track);
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
+  const std::vector<Observation>& all = seen_.at(track);
+  for (std::size_t i = 0; i < all.size(); ++i) {
     const auto& [frame, time] = past_[i];
     const double next = i + 1 < past_.size() ? past_[i + 1].second : timestamp;
-    result.push_back({static_cast<int>(pixels.size() - i), frame, next - time, pixels[i]});
+    result.push_back({static_cast<int>(all.size() - i), frame, next - time, all[i]});
   }
   return result;
 }
@@ -28,13 +28,13 @@ void Probation::note(const Frame& frame, std::span<const Observation> unmatched)
   const auto most = static_cast<std::size_t>(frames_ - 1);
   past_.emplace_back(frame.index, frame.timestamp);
   if (past_.size() > most) past_.pop_front();
-  std::map<int, std::vector<Eigen::Vector2d>> seen;
+  std::map<int, std::vector<Observation>> now;
   for (const Observation& z : unmatched) {
-    std::vector<Eigen::Vector2d>& pixels = seen[z.track] = std::move(pixels_[z.track]);
-    pixels.push_back(z.pixel);
-    if (pixels.size() > most) pixels.erase(pixels.begin());
+    std::vector<Observation>& all = now[z.track] = std::move(seen_[z.track]);
+    all.push_back(z);
+    if (all.size() > most) all.erase(all.begin());
   }
-  pixels_ = std::move(seen);
+  seen_ = std::move(now);
 }
 
 }  // namespace slammot

@@ -22,7 +22,7 @@ struct Sighting {
   int frames_before = 0;  // the newest frame
   int frame = 0;          // Frame::index
   double to_next = 0.0;   // time to the frame after it [s]
-  Eigen::Vector2d pixel;
+  Observation z;
 };
 
 // A track whose probation ends.
@@ -52,12 +52,12 @@ class Probation {
   void note(const Frame& frame, std::span<const Observation> unmatched);
 
   // Its measurements so far are not of one point.
-  void forget(int track) { pixels_.erase(track); }
+  void forget(int track) { seen_.erase(track); }
 
  private:
   int frames_;
-  std::deque<std::pair<int, double>> past_;             // index and time of the last N - 1 frames
-  std::map<int, std::vector<Eigen::Vector2d>> pixels_;  // of the last frames in a row, by track
+  std::deque<std::pair<int, double>> past_;       // index and time of the last N - 1 frames
+  std::map<int, std::vector<Observation>> seen_;  // of the last frames in a row, by track
 };
 
 }  // namespace slammot

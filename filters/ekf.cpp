@@ -125,7 +125,6 @@ bool Ekf::moves_alone(Label label, std::ptrdiff_t static_measurements) const {
 // One update for all, but for what moves only its own landmark, after the others.
 void Ekf::update(const TrackRecords& records, std::span<const Observation> accepted,
                  StageListener& /*stages*/) {
-  const double variance = setup_.pixel_sigma * setup_.pixel_sigma;
   for (const Observation& z : accepted) state_.landmarks.at(z.track).last_used = frames_;
   const auto label = [&](const Observation& z) { return records.at(z.track).label; };
   const auto static_measurements = std::ranges::count(accepted, Label::kStatic, label);
@@ -135,9 +134,9 @@ void Ekf::update(const TrackRecords& records, std::span<const Observation> accep
     (moves_alone(label(z), static_measurements) ? pending_ : counting_).push_back(z);
   }
   keep(counting_, innovation_);
-  slammot::update(state_, linearisation_, setup_.camera, variance, options_.iterations,
+  slammot::update(state_, linearisation_, setup_.camera, setup_.pixel_sigma, options_.iterations,
                   innovation_);
-  update_alone(state_, linearisation_, setup_.camera, pending_, variance, alone_);
+  update_alone(state_, linearisation_, setup_.camera, pending_, setup_.pixel_sigma, alone_);
 }
 
 void Ekf::leave_one_out(std::vector<LeaveOneOut>& result) {
@@ -198,7 +197,7 @@ bool Ekf::add(const Observation& z, const FilterPose& pose, int frame, const Lan
   if (!here) return false;
   const NewLandmark at = linearisation_.birth(state_, setup_.camera, z, frame, *here);
   anchor_at(pose, frame);
-  insert(z.track, frame, here->y, append_new(at, pose, prior, is_free ? functions_.dim() : 3));
+  insert(z.track, frame, here->y, append_new(z, at, pose, prior, is_free ? functions_.dim() : 3));
   return true;
 }
 

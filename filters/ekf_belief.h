@@ -50,14 +50,14 @@ class Ekf final : public Belief {
   FilterPose& clone_of(int frame);
   bool add(const Observation& z, const FilterPose& pose, int frame, const LandmarkPrior& prior,
            bool is_free);
-  StateBlock append_new(const NewLandmark& at, const FilterPose& pose, const LandmarkPrior& prior,
-                        int dim);
+  StateBlock append_new(const Observation& z, const NewLandmark& at, const FilterPose& pose,
+                        const LandmarkPrior& prior, int dim);
   FilterAnchor& anchor_at(const FilterPose& pose, int frame);
   void insert(int track, int frame, const Eigen::Vector3d& y, StateBlock block);
 
   // ekf_probation.cpp
   bool add_seen(const Candidate& candidate);
-  bool use_past(int track, const FilterPose& pose, const Eigen::Vector2d& pixel);
+  bool use_past(const FilterPose& pose, const Observation& z);
 
   bool moves_alone(Label label, std::ptrdiff_t static_measurements) const;
 

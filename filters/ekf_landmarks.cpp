@@ -89,10 +89,10 @@ void Ekf::condition_on_rest(std::span<const int> tracks) {
 }
 
 // The rows of a landmark's (y) or (y, w) when it is initialised.
-StateBlock Ekf::append_new(const NewLandmark& at, const FilterPose& pose,
+StateBlock Ekf::append_new(const Observation& z, const NewLandmark& at, const FilterPose& pose,
                            const LandmarkPrior& prior, int dim) {
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(dim, dim);
-  const double pixel_variance = setup_.pixel_sigma * setup_.pixel_sigma;
+  const double pixel_variance = z.variance(setup_.pixel_sigma);
   const double depth_variance = prior.inverse_depth_sigma * prior.inverse_depth_sigma;
   R.topLeftCorner<3, 3>() = pixel_variance * at.J_pixel * at.J_pixel.transpose() +
                             depth_variance * at.J_inverse_depth * at.J_inverse_depth.transpose();

@@ -19,10 +19,10 @@ bool Ekf::add_seen(const Candidate& candidate) {
   for (const Sighting& seen : candidate.sightings) {
     const FilterPose& pose = clone_of(frames_ - seen.frames_before);
     if (&seen == &candidate.sightings.front()) {
-      if (!add({track, seen.pixel}, pose, seen.frame, candidate.prior, candidate.is_free())) {
+      if (!add(seen.z, pose, seen.frame, candidate.prior, candidate.is_free())) {
         return false;
       }
-    } else if (!use_past(track, pose, seen.pixel)) {
+    } else if (!use_past(pose, seen.z)) {
       state_.remove_landmarks({&track, 1});
       return false;
     }
@@ -34,8 +34,8 @@ bool Ekf::add_seen(const Candidate& candidate) {
 
 // The update of one measurement from a past pose. False when it fails the gate given the others,
 // which for a filter are those before it.
-bool Ekf::use_past(int track, const FilterPose& pose, const Eigen::Vector2d& pixel) {
-  const FilterLandmark& landmark = state_.landmarks.at(track);
+bool Ekf::use_past(const FilterPose& pose, const Observation& z) {
+  const FilterLandmark& landmark = state_.landmarks.at(z.track);
   const FilterAnchor& anchor = state_.anchors.at(landmark.anchor);
   const auto h = expect(setup_.camera, functions_.point, pose.position, pose.orientation,
                         anchor.position, landmark.y);
@@ -49,12 +49,12 @@ bool Ekf::use_past(int track, const FilterPose& pose, const Eigen::Vector2d& pix
   Eigen::Matrix2d S = h->J_pose * P_Ht.middleRows<6>(pose.block.offset) +
                       h->J_anchor * P_Ht.middleRows<3>(anchor.block.offset) +
                       h->J_y * P_Ht.middleRows<3>(landmark.y_block.offset);
-  S.diagonal().array() += setup_.pixel_sigma * setup_.pixel_sigma;
+  S.diagonal().array() += z.variance(setup_.pixel_sigma);
   const Eigen::LLT<Eigen::Matrix2d> L(S);
   if (L.info() != Eigen::Success) {
     throw Diverged("the innovation covariance is not positive definite");
   }
-  const Eigen::Vector2d whitened = L.matrixL().solve(pixel - h->pixel);
+  const Eigen::Vector2d whitened = L.matrixL().solve(z.pixel - h->pixel);
   if (!(whitened.squaredNorm() <= threshold_given_others_)) return false;
   Eigen::MatrixXd W = P_Ht;
   L.matrixU().solveInPlace<Eigen::OnTheRight>(W);

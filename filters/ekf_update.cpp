@@ -239,14 +239,14 @@ void keep(std::span<const Observation> accepted, Innovation& z) {
 }
 
 void update(JointState& state, Linearisation& linearisation, const Camera& camera,
-            double pixel_variance, int iterations, Innovation& innovation) {
+            double pixel_sigma, int iterations, Innovation& innovation) {
   if (innovation.rows() == 0) return;
   std::optional<Innovation> first;
   if (iterations > 1) first = innovation;
   for (int i = 0; i < iterations; ++i) {
     if (i > 0) relinearise(state, linearisation, camera, *first, innovation);
     fill_HPHt(state, innovation, innovation.S);
-    (*innovation.S).diagonal().array() += pixel_variance;
+    add_pixel_noise(innovation.matches, pixel_sigma, innovation.S);
     solve(innovation);
   }
   state.covariance.subtract_outer(*innovation.P_Ht);

@@ -43,7 +43,7 @@ void keep(std::span<const Observation> accepted, Innovation& innovation);
 // the innovation only the memory is left. Throws Diverged when S is not positive definite or the
 // correction not finite.
 void update(JointState& state, Linearisation& linearisation, const Camera& camera,
-            double pixel_variance, int iterations, Innovation& innovation);
+            double pixel_sigma, int iterations, Innovation& innovation);
 
 // After update(): the NIS of each of its measurements given all the others of them, its
 // leave-one-out innovation. With a = S^-1 nu and B = S^-1, a_i' B_ii^-1 a_i (mathematics.md): what
@@ -53,6 +53,6 @@ void nis_given_others(Innovation& innovation, std::vector<double>& nis);
 // Measurements that move only their own landmarks, free ones, one after the other, the rest of the
 // state being considered but not corrected (Schmidt's gain, 1966).
 void update_alone(JointState& state, Linearisation& linearisation, const Camera& camera,
-                  std::span<const Observation> matches, double pixel_variance, Innovation& memory);
+                  std::span<const Observation> matches, double pixel_sigma, Innovation& memory);
 
 }  // namespace slammot

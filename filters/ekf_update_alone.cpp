@@ -8,14 +8,14 @@ namespace slammot {
 namespace {
 
 void update_alone(JointState& state, Linearisation& linearisation, const Camera& camera,
-                  const Observation& match, double pixel_variance, Innovation& memory) {
+                  const Observation& match, double pixel_sigma, Innovation& memory) {
   constexpr int kMost = JointCovariance::kLargestBlock;
   using Gain = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::ColMajor, kMost, 2>;
   using Own = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1>;
   linearise(state, linearisation, camera, {&match, 1}, memory);
   if (memory.rows() == 0) return;  // the others have moved it out of view
   fill_HPHt(state, memory, memory.S);
-  (*memory.S).diagonal().array() += pixel_variance;
+  (*memory.S).diagonal().array() += match.variance(pixel_sigma);
   const Eigen::Matrix2d S = Eigen::Matrix2d(*memory.S).selfadjointView<Eigen::Lower>();
   if (S.llt().info() != Eigen::Success) {
     throw Diverged("the innovation covariance is not positive definite");
@@ -43,11 +43,11 @@ void update_alone(JointState& state, Linearisation& linearisation, const Camera&
 }  // namespace
 
 void update_alone(JointState& state, Linearisation& linearisation, const Camera& camera,
-                  std::span<const Observation> matches, double pixel_variance, Innovation& memory) {
+                  std::span<const Observation> matches, double pixel_sigma, Innovation& memory) {
   if (matches.empty()) return;
   linearisation.prepare_alone(state);
   for (const Observation& match : matches) {
-    update_alone(state, linearisation, camera, match, pixel_variance, memory);
+    update_alone(state, linearisation, camera, match, pixel_sigma, memory);
   }
 }
 

@@ -13,6 +13,12 @@ namespace slammot {
 struct Observation {
   int track = 0;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  double relative_sigma = 1.0;  // of each coordinate, in units of the sequence's pixel_sigma
+
+  // Of each coordinate [px^2].
+  double variance(double pixel_sigma) const {
+    return relative_sigma * relative_sigma * pixel_sigma * pixel_sigma;
+  }
 };
 
 struct Frame {

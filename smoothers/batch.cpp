@@ -108,8 +108,8 @@ void Batch::add_landmark(const TrackHistory& history) {
     graph_.variables[l.w].value = history.states.front().tail(functions_.motion);
     add_chain(history, l);
   }
-  for (const auto& [frame, pixel] : history.pixels) {
-    graph_.add_pixel(id, cameras_[static_cast<std::size_t>(frame)], pixel,
+  for (const auto& [frame, z] : history.pixels) {
+    graph_.add_pixel(id, cameras_[static_cast<std::size_t>(frame)], z,
                      l.is_free() ? frame - history.first : 0);
   }
 }

@@ -59,14 +59,16 @@ std::int64_t key(const ObservationRow& row) {
 
 std::vector<ObservationRow> observation_rows(TextTable& table, size_t frames,
                                              const Camera& camera) {
-  constexpr std::string_view headers[] = {native::kObservationsHeader};
-  table.expect_header(headers);
+  constexpr std::string_view headers[] = {native::kObservationsHeader,
+                                          native::kObservationsWithSigmaHeader};
+  const size_t columns = 4 + table.expect_header(headers);
   std::vector<ObservationRow> rows;
-  while (table.next_comma_row(4)) {
+  while (table.next_comma_row(columns)) {
     const int frame = existing_frame(table, 0, frames);
     const Eigen::Vector2d pixel(table.real(2), table.real(3));
     table.refuse_if(pixel_fault(camera, pixel));
-    rows.push_back({frame, {table.count(1), pixel}, table.line()});
+    const double relative_sigma = columns == 5 ? table.positive(4) : 1.0;
+    rows.push_back({frame, {table.count(1), pixel, relative_sigma}, table.line()});
   }
   const auto before = [](const auto& a, const auto& b) { return key(a) < key(b); };
   if (!std::is_sorted(rows.begin(), rows.end(), before)) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 
@@ -86,10 +87,16 @@ Text frames_text(const Sequence& s) {
 
 Text observations_text(const Sequence& s) {
   Text text;
-  put(text, "{}\n", native::kObservationsHeader);
+  const bool differ = std::ranges::any_of(s.frames, [](const Frame& frame) {
+    return std::ranges::any_of(frame.observations,
+                               [](const Observation& z) { return z.relative_sigma != 1.0; });
+  });
+  put(text, "{}\n", differ ? native::kObservationsWithSigmaHeader : native::kObservationsHeader);
   for (const Frame& frame : s.frames) {
     for (const Observation& z : frame.observations) {
-      put(text, "{},{},{},{}\n", frame.index, z.track, z.pixel.x(), z.pixel.y());
+      put(text, "{},{},{},{}", frame.index, z.track, z.pixel.x(), z.pixel.y());
+      if (differ) put(text, ",{}", z.relative_sigma);
+      put(text, "\n");
     }
   }
   return text;

@@ -29,12 +29,15 @@ double noise_of(const StudyCell& cell) {
 
 void add_noise(double sigma, std::uint64_t seed, Sequence& sequence) {
   RandomStream random(seed, "pixel noise of a recording");
+  const double stated = sequence.pixel_sigma;
+  sequence.pixel_sigma = std::hypot(stated, sigma);
   for (Frame& frame : sequence.frames) {
-    for (Observation& observation : frame.observations) {
-      observation.pixel += sigma * random.normals<2>();
+    for (Observation& z : frame.observations) {
+      z.pixel += sigma * random.normals<2>();
+      if (z.relative_sigma == 1.0) continue;
+      z.relative_sigma = std::hypot(z.relative_sigma * stated, sigma) / sequence.pixel_sigma;
     }
   }
-  sequence.pixel_sigma = std::hypot(sequence.pixel_sigma, sigma);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ Sequence rendered(const RoomOptions& options, std::uint64_t seed) {
   const Sequence images = room_sequence(options, seed);
   TrackOptions one_thread;  // a study runs a job on each core
   one_thread.threads = 1;
+  if (options.noise_by_alignment != 0) one_thread.noise = NoiseModel::kAlignment;
   const auto image = [&](std::size_t place) {
     return render(room, options, seed, static_cast<int>(place));
   };

@@ -17,8 +17,15 @@
 
 namespace slammot {
 
+// kCommon: one sigma for all measurements. kAlignment: each has its own,
+//   kLasting * sqrt(a^2 + (kMismatch s)^2)
+// with s by the alignment of its patch (patch.h), and a of the images, the same for all. Then the
+// tail is that of s, and a is taken from the median instead. The matrix is fitted without weights,
+// so that a is too large where many patches fit badly.
+enum class NoiseModel { kCommon, kAlignment };
+
 struct TrackNoise {
-  double sigma = 0.0;  // of each pixel coordinate [px]
+  double sigma = 0.0;  // of each pixel coordinate; kAlignment: a [px]
   int lag = 0;         // frames between the two of a pair
   int pairs = 0;       // of frames
 };
@@ -28,7 +35,20 @@ struct TrackNoise {
 // (docs/recordings.md, also on what it costs).
 inline constexpr double kLeastStated = 0.1;
 
-// Nothing if no two frames share enough tracks.
-std::optional<TrackNoise> measure_noise(const Sequence& sequence);
+// What a patch meets in a later image is another view of it, not the same with noise. Over pairs of
+// frames of four recordings and of the rendered room, errors are a and 1.3 to 2 s
+// (docs/recordings.md).
+inline constexpr double kMismatch = 1.5;
+// A track's error lasts for many frames, and the estimators take it for new in each: by the NEES of
+// the rendered room.
+inline constexpr double kLasting = 1.75;
+
+// Nothing if no two frames share enough tracks. The measurements as the tracker gives them.
+std::optional<TrackNoise> measure_noise(const Sequence& sequence,
+                                        NoiseModel model = NoiseModel::kCommon);
+
+// From the measurements as the tracker gives them to what is stated of them: `pixel_sigma`, and how
+// each differs from it. kAlignment needs a noise that could be measured, else it is kCommon.
+void state_noise(const std::optional<TrackNoise>& noise, NoiseModel model, Sequence& sequence);
 
 }  // namespace slammot

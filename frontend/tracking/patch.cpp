@@ -90,11 +90,20 @@ std::optional<Patch> Patch::cut(const cv::Mat& image, const Eigen::Vector2d& cen
   const double noise = kGreyNoise / length;
   const double variance = patch.inverse_hessian_.bottomRightCorner<2, 2>().trace() * noise * noise;
   if (!(variance < kWorstSigma * kWorstSigma)) return std::nullopt;
+  patch.sigma_ = std::sqrt(variance / 2.0);
   return patch;
 }
 
+// Of least squares: s^2 H^-1, with s^2 the mean square of the residual; two more of its degrees of
+// freedom are gain and bias.
+double Patch::sigma_of(const Warp& warp, const Values& residual) const {
+  const double s2 = residual.squaredNorm() / (kArea - 8);
+  const Eigen::Matrix2d C = inverse_hessian_.bottomRightCorner<2, 2>();
+  return std::sqrt(s2 * (warp.A * C * warp.A.transpose()).trace() / 2.0);
+}
+
 std::optional<Patch::Fit> Patch::align(const cv::Mat& image, const Warp& guess) const {
-  Fit fit{guess, 0.0};
+  Fit fit{guess};
   Values values;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     if (!sample(image, fit.warp, values)) return std::nullopt;
@@ -107,6 +116,7 @@ std::optional<Patch::Fit> Patch::align(const cv::Mat& image, const Warp& guess) 
     if (!(area > kLeastArea && area < kMostArea)) return std::nullopt;
     const double moved = (fit.warp.A * step.tail<2>()).norm();
     if (moved < kConverged && kHalf * step.head<4>().cwiseAbs().maxCoeff() < 10.0 * kConverged) {
+      fit.sigma = sigma_of(fit.warp, values - values_);
       return fit;
     }
   }

@@ -31,17 +31,24 @@ class Patch {
   struct Fit {
     Warp warp;
     double correlation = 0.0;  // zero-mean normalised, of patch and warped image: at most 1
+    double sigma = 0.0;        // of each coordinate, by what the warp leaves unexplained [px]
   };
   // From a first guess. Nothing if it leaves the image, does not converge, or is flattened or
   // magnified beyond what the patch can tell.
   std::optional<Fit> align(const cv::Mat& image, const Warp& guess) const;
 
+  // Of its own place, each coordinate, under the noise of a camera's grey levels [px].
+  double sigma() const { return sigma_; }
+
  private:
   using Values = Eigen::Matrix<double, kArea, 1>;
+
+  double sigma_of(const Warp& warp, const Values& residual) const;
 
   Values values_;                              // zero mean, unit length
   Eigen::Matrix<double, kArea, 6> gradients_;  // d values / d (D by rows, d)
   Eigen::Matrix<double, 6, 6> inverse_hessian_;
+  double sigma_ = 0.0;
 };
 
 }  // namespace slammot

@@ -185,8 +185,8 @@ TrackedImages track_images(const Sequence& images, const ImageFunction& image,
     for (const Observation& z : frame.observations) tracks.insert(z.track);
   }
   result.tracks = static_cast<int>(tracks.size());
-  result.noise = measure_noise(result.sequence);
-  if (result.noise) result.sequence.pixel_sigma = std::max(kLeastStated, result.noise->sigma);
+  result.noise = measure_noise(result.sequence, options.noise);
+  state_noise(result.noise, options.noise, result.sequence);
   return result;
 } catch (const cv::Exception& error) {
   throw std::runtime_error(fmt::format("OpenCV: {}", error.err));

@@ -16,16 +16,17 @@ namespace slammot {
 struct TrackOptions {
   TrackerOptions tracker;
   std::optional<Chessboard> chessboard;  // in the first image
-  bool skip_bad_frames = false;          // leave them out instead of throwing
-  bool moving_start = false;             // leave out what the first image shows beside the board
-  bool mixed_colours = false;            // take grey images among colour ones
-  int threads = 0;                       // 0: as many as there are cores
+  NoiseModel noise = NoiseModel::kCommon;
+  bool skip_bad_frames = false;  // leave them out instead of throwing
+  bool moving_start = false;     // leave out what the first image shows beside the board
+  bool mixed_colours = false;    // take grey images among colour ones
+  int threads = 0;               // 0: as many as there are cores
   std::function<void(int done, int total)> progress;  // after each image; may be empty
 };
 
 struct TrackedImages {
   Sequence sequence;  // frames 0, 1, ... of the images used; images as they were named
-  std::optional<TrackNoise> noise;  // is the sequence's pixel_sigma; nothing: that is as it was
+  std::optional<TrackNoise> noise;  // from which pixel_sigma follows; nothing: that is as it was
   int tracks = 0;
   std::vector<std::string> skipped;  // why, one line each
 };

@@ -33,13 +33,16 @@ std::vector<Observation> Tracker::process(const cv::Mat& image) {
   replenish(image, smooth);
   pyramid_ = std::move(pyramid);
   std::vector<Observation> observations;
-  for (const Track& track : tracks_) observations.push_back({track.number, track.warp.t});
+  for (const Track& track : tracks_)
+    observations.push_back({track.number, track.warp.t, track.sigma});
   return observations;
 }
 
 void Tracker::begin(const cv::Mat& smooth, int number, const Eigen::Vector2d& pixel) {
   const auto patch = Patch::cut(smooth, pixel);
-  if (patch) tracks_.push_back({number, *patch, {Eigen::Matrix2d::Identity(), pixel}, {0.0, 0.0}});
+  if (!patch) return;
+  tracks_.push_back(
+      {number, *patch, {Eigen::Matrix2d::Identity(), pixel}, {0.0, 0.0}, patch->sigma()});
 }
 
 void Tracker::follow(const std::vector<cv::Mat>& pyramid, const cv::Mat& smooth) {
@@ -70,6 +73,7 @@ void Tracker::follow(const std::vector<cv::Mat>& pyramid, const cv::Mat& smooth)
       if ((fit->warp.t - guess).norm() > options_.most_correction) continue;
       track.step = fit->warp.t - track.warp.t;
       track.warp = fit->warp;
+      track.sigma = fit->sigma;
       alive[i] = 1;
     }
   });

@@ -34,7 +34,8 @@ class Tracker {
   // where a point has no patch its number is not used. Call before the first process().
   void seed(std::vector<Eigen::Vector2d> points) { seeds_ = std::move(points); }
 
-  // The points in the next image (8-bit grey, all of one size), by increasing track. Track numbers
+  // The points in the next image (8-bit grey, all of one size), by increasing track, with the
+  // sigmas of their alignment [px] as `relative_sigma`, for state_noise() (noise.h). Track numbers
   // are never used twice; seeds have 0, 1, ... in their order.
   std::vector<Observation> process(const cv::Mat& image);
 
@@ -44,6 +45,7 @@ class Tracker {
     Patch patch;
     Warp warp;
     Eigen::Vector2d step;  // from the image before [px]; where to look first in the next one
+    double sigma;          // of the warp's t [px]
   };
 
   void follow(const std::vector<cv::Mat>& pyramid, const cv::Mat& smooth);

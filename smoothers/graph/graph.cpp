@@ -140,14 +140,13 @@ void Graph::forget_held(LandmarkId id) {
   l.held.reset();
 }
 
-void Graph::add_pixel(LandmarkId id, const GraphCamera& camera, const Eigen::Vector2d& pixel,
-                      int depth) {
+void Graph::add_pixel(LandmarkId id, const GraphCamera& camera, const Observation& z, int depth) {
   GraphLandmark& landmark = (*this)[id];
   GraphPixel& added = landmark.pixels.emplace_back();
   added.position = camera.position;
   added.orientation = camera.orientation;
   added.depth = depth;
-  added.z = {pixel, camera.position == landmark.anchor};
+  added.z = {z.pixel, camera.position == landmark.anchor, z.relative_sigma};
 }
 
 void Graph::reactivate(const std::vector<VariableId>& ids) {

@@ -91,7 +91,7 @@ class Graph {
   void forget_held(LandmarkId id);
   void release(LandmarkId id);
   // A measurement by a camera at the end of the chain.
-  void add_pixel(LandmarkId id, const GraphCamera& camera, const Eigen::Vector2d& pixel, int depth);
+  void add_pixel(LandmarkId id, const GraphCamera& camera, const Observation& z, int depth);
 
   // Brings inactive variables back into the prior, at their mean. Throws Diverged when their
   // covariance is not positive definite.

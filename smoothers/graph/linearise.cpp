@@ -111,8 +111,9 @@ double Graph::linearise_pixel(GraphPixel& pixel, const GraphLandmark& l, const E
 }
 
 bool Graph::is_at_pole(const GraphPixel& pixel) const {
-  constexpr double kNear = 0.05;                                              // [m]
-  const double steepest = models_.camera.fx / (kNear * models_.pixel_sigma);  // d residual / dr
+  constexpr double kNear = 0.05;  // [m]
+  const double sigma = models_.pixel_sigma * pixel.z.relative_sigma;
+  const double steepest = models_.camera.fx / (kNear * sigma);  // d residual / dr
   if (pixel.z.here) return false;
   return !pixel.valid || pixel.at.J_pose.leftCols<3>().norm() > steepest;
 }

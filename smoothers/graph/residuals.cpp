@@ -54,7 +54,7 @@ std::optional<PixelResidual> pixel_residual(const GraphModels& models, const Mea
   const auto h =
       observe(models.camera, models.point(), position, orientation, z.here ? position : anchor, y);
   if (!h) return std::nullopt;
-  const double sigma = models.pixel_sigma;
+  const double sigma = models.pixel_sigma * z.relative_sigma;
   PixelResidual result{(h->pixel - z.pixel) / sigma, h->J_pose / sigma, h->J_anchor / sigma,
                        h->J_y / sigma};
   if (z.here) {

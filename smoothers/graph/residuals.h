@@ -46,6 +46,7 @@ struct PixelResidual {
 struct MeasuredPixel {
   Eigen::Vector2d pixel;
   bool here = false;
+  double relative_sigma = 1.0;  // as in Observation
 };
 std::optional<PixelResidual> pixel_residual(const GraphModels& models, const MeasuredPixel& z,
                                             const Eigen::Vector3d& position,

@@ -10,11 +10,11 @@ void TrackHistories::begin(int track, int frame, const BirthPrior& birth) {
   history.birth = birth;
 }
 
-void TrackHistories::measured(int track, int frame, const Eigen::Vector2d& pixel) {
-  auto& pixels = open_.at(track).pixels;
+void TrackHistories::measured(const Observation& z, int frame) {
+  auto& pixels = open_.at(z.track).pixels;
   const auto later =
       std::ranges::find_if(pixels, [&](const auto& other) { return other.first > frame; });
-  pixels.emplace(later, frame, pixel);
+  pixels.emplace(later, frame, z);
 }
 
 void TrackHistories::let_go(int track, int frame) {

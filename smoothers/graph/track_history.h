@@ -15,7 +15,7 @@ namespace slammot {
 struct TrackHistory {
   int first = 0;  // frame
   BirthPrior birth;
-  std::vector<std::pair<int, Eigen::Vector2d>> pixels;  // by frame, the first one included
+  std::vector<std::pair<int, Observation>> pixels;  // by frame, the first one included
   std::vector<LandmarkVector>
       states;  // (y, w) by frame from the first; of a static landmark its last
   TrackRecord record;
@@ -27,7 +27,7 @@ struct TrackHistory {
 class TrackHistories {
  public:
   void begin(int track, int frame, const BirthPrior& birth);
-  void measured(int track, int frame, const Eigen::Vector2d& pixel);
+  void measured(const Observation& z, int frame);
   void let_go(int track, int frame);  // a measurement that turned out to be wrong
   // The next states of a free landmark, as they leave the window or it becomes static.
   void passed(int track, std::span<const LandmarkVector> states);

@@ -122,9 +122,9 @@ void Window::update(const TrackRecords& /*records*/, std::span<const Observation
     WindowLandmark& landmark = landmarks_.at(z.track);
     landmark.last_used = newest.index;
     const int depth = landmark.is_free ? graph_[landmark.id].steps() : 0;
-    graph_.add_pixel(landmark.id, newest.camera, z.pixel, depth);
+    graph_.add_pixel(landmark.id, newest.camera, z, depth);
     used_.push_back(z.track);
-    if (histories_) histories_->measured(z.track, newest.number, z.pixel);
+    if (histories_) histories_->measured(z, newest.number);
   }
   refresh_noises();
   solve();
@@ -214,7 +214,7 @@ bool Window::add(const Observation& z, const LandmarkPrior& prior, bool is_free)
   if (landmark == nullptr) return false;
   if (histories_) {
     histories_->begin(z.track, newest.number, graph_[landmark->id].birth);
-    histories_->measured(z.track, newest.number, z.pixel);
+    histories_->measured(z, newest.number);
   }
   truth_.apply(*landmark);
   graph_.linearise(graph_[landmark->id]);
@@ -236,7 +236,7 @@ WindowLandmark* Window::insert_at(const WindowFrame& frame, const Observation& z
   l.birth.inverse_depth = prior.inverse_depth;
   l.birth.spread = {prior.inverse_depth_sigma, scene && prior.spread_follows_mean ? depth : 0.0};
   l.birth.scene = scene ? scene->scene : -1;
-  graph_.add_pixel(landmark.id, frame.camera, z.pixel, 0);
+  graph_.add_pixel(landmark.id, frame.camera, z, 0);
   landmark.is_free = is_free;
   if (is_free) graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
   return &landmark;

@@ -97,8 +97,9 @@ class Window final : public Belief {
   void forget_pixel(int track, VariableId position);
   bool retest();  // whether anything was let go or admitted
   void retest_held(const WindowLandmark& landmark);
-  void retest_refused(const RefusedPixel& z);
-  int insert_pixel(GraphLandmark& l, const WindowLandmark& landmark, const RefusedPixel& z) const;
+  void retest_refused(const RefusedPixel& refused);
+  int insert_pixel(GraphLandmark& l, const WindowLandmark& landmark,
+                   const RefusedPixel& refused) const;
   void let_go(const RetestedPixel& z);
   void admit(const RetestedPixel& z);
 

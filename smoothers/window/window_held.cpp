@@ -95,8 +95,8 @@ void Window::release(int track, const LandmarkPrior& /*prior*/) {
   graph_.release(landmark.id);
   move_to_base(landmark, base);
   move_since(landmark, base);
-  std::erase_if(refused_, [&](const RefusedPixel& z) {
-    return z.track == track && cameras_.find(z.position)->number < base.number;
+  std::erase_if(refused_, [&](const RefusedPixel& refused) {
+    return refused.z.track == track && cameras_.find(refused.position)->number < base.number;
   });
   truth_.apply(landmark);
   graph_.prior().relinearise();

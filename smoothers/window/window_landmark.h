@@ -19,9 +19,8 @@ struct WindowLandmark {
 
 // A measurement in the window that its landmark does not use, for `window.retest`.
 struct RefusedPixel {
-  int track = 0;
+  Observation z;
   VariableId position = 0;  // of the frame's camera
-  Eigen::Vector2d pixel;
 };
 
 struct RetestedPixel {

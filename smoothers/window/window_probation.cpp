@@ -43,14 +43,14 @@ const WindowFrame& Window::frame_of(const Sighting& seen) const {
 // Its chain leads up to the newest frame.
 bool Window::insert_seen(const Candidate& candidate) {
   const Sighting& first = candidate.sightings.front();
-  WindowLandmark* landmark = insert_at(frame_of(first), {candidate.track, first.pixel},
-                                       candidate.prior, candidate.is_free());
+  WindowLandmark* landmark =
+      insert_at(frame_of(first), first.z, candidate.prior, candidate.is_free());
   if (landmark == nullptr) return false;
   landmark->last_used = candidate.sightings.back().frame;
   GraphLandmark& l = graph_[landmark->id];
   for (const Sighting& seen : candidate.sightings) {
     if (&seen != &first) {
-      graph_.add_pixel(landmark->id, frame_of(seen).camera, seen.pixel, l.steps());
+      graph_.add_pixel(landmark->id, frame_of(seen).camera, seen.z, l.steps());
     }
     if (candidate.is_free()) extend(*landmark, candidate.label, seen.to_next);
   }
@@ -87,7 +87,7 @@ void Window::begin_history(const Candidate& candidate) {
   histories_->begin(track, frame_of(candidate.sightings.front()).number,
                     graph_[landmarks_.at(track).id].birth);
   for (const Sighting& seen : candidate.sightings) {
-    histories_->measured(track, frame_of(seen).number, seen.pixel);
+    histories_->measured(seen.z, frame_of(seen).number);
   }
 }
 

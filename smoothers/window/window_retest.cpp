@@ -18,12 +18,12 @@ void Window::note_refused(std::span<const Observation> accepted) {
   });
   for (const Observation& z : gated_) {
     if (std::ranges::find(accepted, z.track, &Observation::track) != accepted.end()) continue;
-    refused_.push_back({z.track, cameras_.newest().camera.position, z.pixel});
+    refused_.push_back({z, cameras_.newest().camera.position});
   }
 }
 
 void Window::forget_refused(int track) {
-  std::erase_if(refused_, [&](const RefusedPixel& z) { return z.track == track; });
+  std::erase_if(refused_, [&](const RefusedPixel& refused) { return refused.z.track == track; });
 }
 
 bool Window::retest() {
@@ -59,33 +59,34 @@ void Window::retest_held(const WindowLandmark& landmark) {
     const GraphPixel& pixel = l.pixels[static_cast<std::size_t>(i)];
     if (!pixel.valid || pixel.z.here) continue;
     given_others_.add(equations, equations.block(landmark.id), i, pixel.at.r, true);
-    retested_.push_back({landmark.id, {landmark.track, pixel.position, pixel.z.pixel}, true, 0.0});
+    const Observation z{landmark.track, pixel.z.pixel, pixel.z.relative_sigma};
+    retested_.push_back({landmark.id, {z, pixel.position}, true, 0.0});
   }
 }
 
 // In a copy of the landmark, which alone is linearised and eliminated anew.
-void Window::retest_refused(const RefusedPixel& z) {
-  const WindowLandmark& landmark = landmarks_.at(z.track);
+void Window::retest_refused(const RefusedPixel& refused) {
+  const WindowLandmark& landmark = landmarks_.at(refused.z.track);
   if (is_inactive(graph_[landmark.id].y)) return;
   GraphLandmark l = graph_[landmark.id];
-  const int place = insert_pixel(l, landmark, z);
+  const int place = insert_pixel(l, landmark, refused);
   graph_.linearise(l);
   if (!l.pixels[static_cast<std::size_t>(place)].valid) return;
   LandmarkBlock block;
   block.eliminate(graph_, l, 0.0);
   given_others_.add(optimiser_.equations(), block, place, block.weighed_residual(place), false);
-  retested_.push_back({landmark.id, z, false, 0.0});
+  retested_.push_back({landmark.id, refused, false, 0.0});
 }
 
 // In the order of frames. Those before the base of a free landmark are of the time when it was
 // static.
 int Window::insert_pixel(GraphLandmark& l, const WindowLandmark& landmark,
-                         const RefusedPixel& z) const {
-  const WindowFrame& frame = *cameras_.find(z.position);
+                         const RefusedPixel& refused) const {
+  const WindowFrame& frame = *cameras_.find(refused.position);
   GraphPixel pixel;
   pixel.position = frame.camera.position;
   pixel.orientation = frame.camera.orientation;
-  pixel.z = {z.pixel, z.position == l.anchor};
+  pixel.z = {refused.z.pixel, refused.position == l.anchor, refused.z.relative_sigma};
   pixel.at = {Eigen::Vector2d::Zero(), Eigen::Matrix<double, 2, 6>::Zero(), Matrix23d::Zero(),
               Matrix23d::Zero()};  // not linearised yet
   if (l.is_free()) pixel.depth = std::max(0, frame.number - cameras_.find(landmark.base)->number);
@@ -101,22 +102,22 @@ void Window::let_go(const RetestedPixel& z) {
   ++retest_counts_.let_go;
   std::erase_if(graph_[z.landmark].pixels,
                 [&](const GraphPixel& pixel) { return pixel.position == z.at.position; });
-  const auto landmark = landmarks_.find(z.at.track);
+  const auto landmark = landmarks_.find(z.at.z.track);
   if (landmark == landmarks_.end() || landmark->second.id != z.landmark) return;  // pruned
-  forget_pixel(z.at.track, z.at.position);
+  forget_pixel(z.at.z.track, z.at.position);
   refused_.push_back(z.at);
 }
 
 void Window::admit(const RetestedPixel& z) {
   ++retest_counts_.admitted;
-  WindowLandmark& landmark = landmarks_.at(z.at.track);
+  WindowLandmark& landmark = landmarks_.at(z.at.z.track);
   const WindowFrame& frame = *cameras_.find(z.at.position);
   insert_pixel(graph_[z.landmark], landmark, z.at);
   landmark.last_used = std::max(landmark.last_used, frame.index);
   std::erase_if(refused_, [&](const RefusedPixel& other) {
-    return other.track == z.at.track && other.position == z.at.position;
+    return other.z.track == z.at.z.track && other.position == z.at.position;
   });
-  if (histories_) histories_->measured(z.at.track, frame.number, z.at.pixel);
+  if (histories_) histories_->measured(z.at.z, frame.number);
 }
 
 }  // namespace slammot

@@ -86,6 +86,18 @@ TEST_P(NativeRefusal, NamesFileLineAndReason) {
   EXPECT_EQ(reason.find('\n'), std::string::npos) << reason;
 }
 
+TEST(NativeReader, RefusesARelativeSigmaThatIsNone) {
+  for (const char* sigma : {"0", "-1", "nan", "inf", "x", ""}) {
+    test::TemporaryFolder folder;
+    test::write_good(folder.path());
+    test::write_text(
+        folder.path() / "observations.csv",
+        std::string("frame,track,u,v,relative_sigma\n0,3,3.5,4,1\n2,3,5,6,") + sigma + "\n");
+    const std::string where = (folder.path() / "observations.csv:3: '").string() + sigma + "' is";
+    EXPECT_EQ(refusal(folder.path()).find(where), 0u) << refusal(folder.path());
+  }
+}
+
 const Fault kTableFaults[] = {
     {"FewFields", "observations.csv", "2,3,5,6", "2,3,5",
      "observations.csv:4: expected 4 fields, found 3"},

@@ -24,6 +24,8 @@ void expect_equal(const Sequence& a, const Sequence& b) {
     for (size_t j = 0; j < a.frames[i].observations.size(); ++j) {
       EXPECT_EQ(a.frames[i].observations[j].track, b.frames[i].observations[j].track);
       EXPECT_EQ(a.frames[i].observations[j].pixel, b.frames[i].observations[j].pixel);
+      EXPECT_EQ(a.frames[i].observations[j].relative_sigma,
+                b.frames[i].observations[j].relative_sigma);
     }
     EXPECT_EQ(a.truth[i]->position, b.truth[i]->position);
     EXPECT_EQ(a.truth[i]->orientation.coeffs(), b.truth[i]->orientation.coeffs());
@@ -37,7 +39,7 @@ TEST(NativeWriter, RoundTripIsExact) {
   a.name = "say \"x\": \\ 1";
   a.images = {"a.png", "b.png", "c, d.png"};
   a.camera.fx = 170.0 + 1.0 / 3.0;
-  a.frames[1].observations = {{7, {1.0 / 3.0, -1e-300}}};
+  a.frames[1].observations = {{7, {1.0 / 3.0, -1e-300}, 1.0 / 7.0}};
   a.frames[2].timestamp = 0.1 + 0.2;
   a.prior->mean_sigma = 1.0 / 7.0;
   a.points = 150;
@@ -65,6 +67,21 @@ TEST(NativeWriter, RoundTripIsExact) {
 }
 
 // All or nothing: what the reader would refuse is not written, and what stood there stays.
+// Where all are equally exact the table has its four columns.
+TEST(NativeWriter, WritesRelativeSigmasWhereTheyDiffer) {
+  test::TemporaryFolder folder;
+  test::write_good(folder.path());
+  Sequence sequence = read_native(folder.path());
+  const auto header = [&](const char* name) {
+    write_native(sequence, folder.path() / name);
+    const std::string text = test::read_text(folder.path() / name / "observations.csv");
+    return text.substr(0, text.find('\n'));
+  };
+  EXPECT_EQ(header("equal"), "frame,track,u,v");
+  sequence.frames[0].observations[1].relative_sigma = 2.5;
+  EXPECT_EQ(header("uneven"), "frame,track,u,v,relative_sigma");
+}
+
 TEST(NativeWriter, WritesNothingThatTheReaderRefuses) {
   test::TemporaryFolder folder;
   test::write_good(folder.path());

@@ -33,7 +33,7 @@ TEST_F(ProbationOfThree, EndsWithTheThirdFrameInARow) {
   EXPECT_EQ(seen[0].frames_before, 2);
   EXPECT_EQ(seen[0].frame, 4);
   EXPECT_EQ(seen[0].to_next, 0.5);
-  EXPECT_EQ(seen[0].pixel, Eigen::Vector2d(4.0, 7.0));
+  EXPECT_EQ(seen[0].z.pixel, Eigen::Vector2d(4.0, 7.0));
   EXPECT_EQ(seen[1].frames_before, 1);
   EXPECT_EQ(seen[1].to_next, 0.25);
 }

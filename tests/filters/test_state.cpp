@@ -47,7 +47,9 @@ Eigen::MatrixXd dense_H(const JointState& state, const Innovation& z) {
 
 TEST(Update, IsTheTextbookUpdate) {
   JointState state = scene(1);
-  const auto matches = pixels_of(state, standard.point(), 1);
+  auto matches = pixels_of(state, standard.point(), 1);
+  for (std::size_t i = 0; i < 4; ++i)
+    matches[i].relative_sigma = 1.0 + 0.5 * static_cast<double>(i);
   Innovation z;
   linearise(state, standard, pinhole(), matches, z);
   const int n = state.covariance.size();
@@ -55,7 +57,12 @@ TEST(Update, IsTheTextbookUpdate) {
   const Eigen::MatrixXd P = state.covariance.dense();
   const Eigen::MatrixXd H = dense_H(state, z);
   EXPECT_LT((*z.P_Ht - P * H.transpose()).norm(), 1e-12 * (*z.P_Ht).norm());
-  const Eigen::MatrixXd R = Eigen::MatrixXd::Identity(8, 8) * 1.44;
+  constexpr double kPixelSigma = 1.2;
+  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(8, 8);
+  for (Eigen::Index i = 0; i < 8; ++i) {
+    const double sigma = kPixelSigma * (1.0 + 0.5 * static_cast<double>(i / 2));
+    R(i, i) = sigma * sigma;
+  }
   const Eigen::MatrixXd S = H * P * H.transpose() + R;
   const Eigen::MatrixXd K = P * H.transpose() * S.inverse();
   Eigen::MatrixXd Joseph = (I - K * H) * P * (I - K * H).transpose() + K * R * K.transpose();
@@ -64,7 +71,7 @@ TEST(Update, IsTheTextbookUpdate) {
   reset.block<3, 3>(3, 3) = right_jacobian_so3(dx.segment<3>(3));
   Joseph = (reset * Joseph * reset.transpose()).eval();
   const CameraState expected = boxplus(state.camera, Vector12d(dx.head<12>()));
-  update(state, standard, pinhole(), 1.44, 1, z);
+  update(state, standard, pinhole(), kPixelSigma, 1, z);
   EXPECT_LT((state.covariance.dense() - Joseph).norm(), 1e-10 * Joseph.norm());
   EXPECT_LT(boxminus(state.camera, expected).norm(), 1e-12);
 }
@@ -156,7 +163,7 @@ TEST(RemoveLandmarks, LeavesTheMarginalOfTheRest) {
 // landmark's at zero.
 TEST(UpdateAlone, IsTheJosephFormWithTheLandmarksRowsOfTheGain) {
   constexpr int kTrack = 1, kHeld = 2;
-  constexpr double kVariance = 1.5;
+  constexpr double kSigma = 1.22474;
   JointState state = scene(2);
   state.scene = {0.2, state.covariance.append({}, Eigen::MatrixXd::Constant(1, 1, 0.01))};
   state.clones.emplace_back().block = state.covariance.append({}, Matrix6d::Zero());
@@ -173,9 +180,10 @@ TEST(UpdateAlone, IsTheJosephFormWithTheLandmarksRowsOfTheGain) {
   state.hold_motion(kHeld, Eigen::MatrixXd::Constant(n, 3, 0.01), Eigen::Matrix3d::Identity(),
                     Eigen::Vector3d(0.1, 0.2, 0.3));
   const JointState before = state;
-  const Observation z = pixels_of(state, standard.point(), 9)[kTrack];
+  Observation z = pixels_of(state, standard.point(), 9)[kTrack];
+  z.relative_sigma = 1.5;
   Innovation memory;
-  update_alone(state, standard, pinhole(), {&z, 1}, kVariance, memory);
+  update_alone(state, standard, pinhole(), {&z, 1}, kSigma, memory);
 
   Innovation plain;
   linearise(before, standard, pinhole(), {&z, 1}, plain);
@@ -186,7 +194,7 @@ TEST(UpdateAlone, IsTheJosephFormWithTheLandmarksRowsOfTheGain) {
   H.leftCols<6>() = plain.predicted[0].J_pose;
   H.middleCols<3>(before.anchors.at(landmark.anchor).block.offset) = plain.predicted[0].J_anchor;
   H.middleCols<3>(landmark.y_block.offset) = plain.predicted[0].J_y;
-  const Eigen::Matrix2d R = kVariance * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d R = 2.25 * kSigma * kSigma * Eigen::Matrix2d::Identity();
   const Eigen::MatrixXd full = P * H.transpose() * (H * P * H.transpose() + R).inverse();
   for (const StateBlock b : {landmark.y_block, landmark.w_block}) {
     K.middleRows(b.offset, b.dim) = full.middleRows(b.offset, b.dim);

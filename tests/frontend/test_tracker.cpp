@@ -65,6 +65,34 @@ TEST(Patch, FindsAnAffineWarp) {
   EXPECT_GT(fit->correlation, 0.99);
 }
 
+// The sigma that an alignment states is that of its error: under noise, and twice as large under
+// twice the noise.
+TEST(Patch, StatesTheErrorOfItsPlace) {
+  const cv::Size size(120, 100);
+  const Eigen::Vector2d centre(60.0, 50.0);
+  const cv::Mat exact = textured(size, {});
+  const auto patch = Patch::cut(exact, centre);
+  ASSERT_TRUE(patch);
+  for (const double grey : {3.0, 6.0}) {
+    std::mt19937_64 engine(5);
+    std::normal_distribution<double> normal(0.0, grey);
+    double squares = 0.0, stated = 0.0;
+    constexpr int kImages = 200;
+    for (int k = 0; k < kImages; ++k) {
+      cv::Mat image = exact.clone();
+      for (auto pixel = image.begin<uchar>(); pixel != image.end<uchar>(); ++pixel) {
+        *pixel = cv::saturate_cast<uchar>(*pixel + normal(engine));
+      }
+      const auto fit = patch->align(image, {Eigen::Matrix2d::Identity(), centre});
+      ASSERT_TRUE(fit);
+      squares += (fit->warp.t - centre).squaredNorm() / 2.0;
+      stated += fit->sigma * fit->sigma;
+    }
+    const double sigma = std::sqrt(squares / kImages);
+    EXPECT_NEAR(std::sqrt(stated / kImages) / sigma, 1.0, 0.2) << sigma << " px";
+  }
+}
+
 TEST(Patch, RefusesWhatCannotBePlaced) {
   EXPECT_FALSE(Patch::cut(cv::Mat(100, 100, CV_8U, cv::Scalar(90)), {50, 50}));  // no texture
   cv::Mat edge(100, 100, CV_8U, cv::Scalar(20));
@@ -142,6 +170,44 @@ TEST(Noise, IsMeasuredAmongMovingPoints) {
     EXPECT_GT(noise->sigma, 0.9 * sigma);
     EXPECT_LT(noise->sigma, 1.1 * kMost * sigma);
   }
+}
+
+// A part that is common to all, which is measured, and one of each measurement, which is known.
+TEST(Noise, IsMeasuredBesideThatOfTheAlignment) {
+  std::mt19937_64 engine(7);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  constexpr double kShared = 0.1;
+  Sequence sequence;
+  sequence.camera = {640, 480, 400.0, 400.0, 319.5, 239.5, PinholeLens{}};
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 80; ++i) {
+    points.emplace_back(2.0 * unit(engine), 1.5 * unit(engine), 5.0 + 2.0 * unit(engine));
+  }
+  for (int k = 0; k < 40; ++k) {
+    Frame frame{k, 0.1 * k, {}};
+    const Eigen::Vector3d camera(0.03 * k, 0.01 * k, 0.02 * k);
+    for (int i = 0; i < 80; ++i) {
+      const double own = i % 4 == 0 ? 0.3 : 0.02;
+      const double sigma = std::hypot(kShared, kMismatch * own);
+      const auto seen = sequence.camera.project(points[static_cast<size_t>(i)] - camera);
+      frame.observations.push_back(
+          {i, seen->pixel + sigma * Eigen::Vector2d(normal(engine), normal(engine)), own});
+    }
+    sequence.frames.push_back(frame);
+  }
+  const auto noise = measure_noise(sequence, NoiseModel::kAlignment);
+  ASSERT_TRUE(noise);
+  EXPECT_NEAR(noise->sigma / kShared, 1.0, 0.25);
+  state_noise(noise, NoiseModel::kAlignment, sequence);
+  for (const Observation& z : sequence.frames.back().observations) {
+    const double stated = std::sqrt(z.variance(sequence.pixel_sigma)) / kLasting;
+    EXPECT_NEAR(stated, std::hypot(noise->sigma, kMismatch * (z.track % 4 == 0 ? 0.3 : 0.02)),
+                1e-12);
+  }
+  state_noise(noise, NoiseModel::kCommon, sequence);
+  for (const Observation& z : sequence.frames.back().observations) EXPECT_EQ(z.relative_sigma, 1.0);
+  EXPECT_EQ(sequence.pixel_sigma, std::max(kLeastStated, noise->sigma));
 }
 
 TEST(Chessboard, GivesTheCameraInTheBoardsFrame) {

@@ -98,7 +98,7 @@ TEST_P(InactiveMap, ReactivatedItIsTheSame) {
 // Back in sight, measured anew, and left behind once more; what sleeps hangs on what has woken.
 TEST_P(InactiveMap, GoesOnAfterReactivation) {
   graph.reactivate({graph[Scene::kLone].y, anchor()});
-  graph.add_pixel(Scene::kLone, scene.cameras[3], {330.0, 250.0}, 0);
+  graph.add_pixel(Scene::kLone, scene.cameras[3], {0, {330.0, 250.0}}, 0);
   graph.linearise();
   leave({graph[Scene::kLone].y});
   Leaving leaving;

@@ -161,7 +161,7 @@ TEST_P(LandmarkAddedSince, HasItsMarginal) {
   l.birth.kind = BirthPrior::Kind::kSharedDepth;
   l.birth.spread.sigma = 0.1;
   l.birth.scene = graph.scene->scene;
-  graph.add_pixel(id, scene.newest(), {330.0, 250.0}, 0);
+  graph.add_pixel(id, scene.newest(), {0, {330.0, 250.0}}, 0);
   if (is_free) graph.free_landmark(id, MotionVector::Constant(3, 0.4));
   graph.linearise(l);
   equations.add(graph, id);

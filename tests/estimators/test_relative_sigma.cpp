@@ -1,0 +1,58 @@
+// Measurements that are each half as exact, beside a pixel_sigma of half a pixel, are those of one
+// pixel: to the last bit, wherever an estimator uses a measurement.
+#include <gtest/gtest.h>
+
+#include "datasets/simulation/scenario.h"
+#include "eval/configuration/configuration.h"
+#include "eval/run/run.h"
+
+namespace slammot {
+namespace {
+
+struct Case {
+  std::string name, estimator;
+  std::vector<std::string> settings;
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+class RelativeSigma : public testing::TestWithParam<Case> {};
+
+TEST_P(RelativeSigma, TimesPixelSigmaIsTheNoise) {
+  const Sequence sequence = simulate("circle", {{"frames", "40"}}, 4);
+  ASSERT_EQ(sequence.pixel_sigma, 1.0);
+  Sequence scaled = sequence;
+  scaled.pixel_sigma = 0.5;
+  for (Frame& frame : scaled.frames) {
+    for (Observation& z : frame.observations) z.relative_sigma = 2.0;
+  }
+  Configuration configuration;
+  for (const std::string& setting : GetParam().settings) {
+    assign(configuration, parse_assignment(setting));
+  }
+  const RunResult a = run_estimator(sequence, configuration, GetParam().estimator);
+  const RunResult b = run_estimator(scaled, configuration, GetParam().estimator);
+  ASSERT_EQ(a.filtered.size(), 40u);
+  ASSERT_EQ(b.filtered.size(), a.filtered.size());
+  for (std::size_t i = 0; i < a.filtered.size(); ++i) {
+    ASSERT_EQ(a.filtered[i].state.position, b.filtered[i].state.position) << "frame " << i;
+    ASSERT_EQ(a.filtered[i].covariance, b.filtered[i].covariance) << "frame " << i;
+    ASSERT_EQ(a.counts[i].joint_nis, b.counts[i].joint_nis) << "frame " << i;
+  }
+}
+
+const Case kCases[] = {
+    {"ekf", "ekf", {}},
+    {"ekf_alone", "ekf", {"ekf.static_enough=1"}},
+    {"ekf_iterated_probation", "ekf", {"ekf.iterations=3", "policy.probation=3"}},
+    {"delayed", "delayed", {}},
+    {"window", "window", {"window.frames=8"}},
+    {"window_retest", "window", {"window.frames=8", "window.retest=true"}},
+    {"window_probation", "window", {"window.frames=8", "policy.probation=3"}},
+    {"batch", "batch", {}},
+};
+INSTANTIATE_TEST_SUITE_P(Estimators, RelativeSigma, testing::ValuesIn(kCases),
+                         [](const auto& tested) { return tested.param.name; });
+
+}  // namespace
+}  // namespace slammot
