@@ -65,8 +65,7 @@ std::string noise_text(const TrackedImages& tracked, NoiseModel model) {
   if (model == NoiseModel::kAlignment) {
     return fmt::format(
         "{:.4g} px, the median of all measurements, by alignment; common to all is {:.4g} px, "
-        "median "
-        "Sampson distance to a fundamental matrix, median over {} pairs of frames {} apart",
+        "median Sampson distance to a fundamental matrix, median over {} pairs of frames {} apart",
         tracked.sequence.pixel_sigma, tracked.noise->sigma, tracked.noise->pairs,
         tracked.noise->lag);
   }

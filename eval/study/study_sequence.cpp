@@ -34,7 +34,6 @@ void add_noise(double sigma, std::uint64_t seed, Sequence& sequence) {
   for (Frame& frame : sequence.frames) {
     for (Observation& z : frame.observations) {
       z.pixel += sigma * random.normals<2>();
-      if (z.relative_sigma == 1.0) continue;
       z.relative_sigma = std::hypot(z.relative_sigma * stated, sigma) / sequence.pixel_sigma;
     }
   }

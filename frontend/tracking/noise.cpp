@@ -153,18 +153,20 @@ std::optional<TrackNoise> measure_noise(const Sequence& sequence, NoiseModel mod
 }
 
 void state_noise(const std::optional<TrackNoise>& noise, NoiseModel model, Sequence& sequence) {
-  const bool is_common = model == NoiseModel::kCommon || !noise;
-  if (is_common && noise) sequence.pixel_sigma = std::max(kLeastStated, noise->sigma);
+  if (model == NoiseModel::kCommon || !noise) {
+    if (noise) sequence.pixel_sigma = std::max(kLeastStated, noise->sigma);
+    for (Frame& frame : sequence.frames) {
+      for (Observation& z : frame.observations) z.relative_sigma = 1.0;
+    }
+    return;
+  }
   std::vector<double> sigmas;
   for (Frame& frame : sequence.frames) {
     for (Observation& z : frame.observations) {
-      const double sigma =
-          is_common ? 1.0 : kLasting * std::hypot(noise->sigma, kMismatch * z.relative_sigma);
-      z.relative_sigma = sigma;
-      sigmas.push_back(sigma);
+      z.relative_sigma = kLasting * std::hypot(noise->sigma, kMismatch * z.relative_sigma);
+      sigmas.push_back(z.relative_sigma);
     }
   }
-  if (is_common) return;
   sequence.pixel_sigma = quantile(std::move(sigmas), 0.5);
   for (Frame& frame : sequence.frames) {
     for (Observation& z : frame.observations) z.relative_sigma /= sequence.pixel_sigma;

@@ -39,6 +39,10 @@ TEST_P(RelativeSigma, TimesPixelSigmaIsTheNoise) {
     ASSERT_EQ(a.filtered[i].covariance, b.filtered[i].covariance) << "frame " << i;
     ASSERT_EQ(a.counts[i].joint_nis, b.counts[i].joint_nis) << "frame " << i;
   }
+  ASSERT_EQ(a.smoothed.size(), b.smoothed.size());
+  for (std::size_t i = 0; i < a.smoothed.size(); ++i) {
+    ASSERT_EQ(a.smoothed[i].state.position, b.smoothed[i].state.position) << "smoothed " << i;
+  }
 }
 
 const Case kCases[] = {
