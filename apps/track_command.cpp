@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <set>
 
@@ -29,6 +28,7 @@ namespace {
 
 using Path = std::filesystem::path;
 
+constexpr char kCommon[] = "common", kAlignment[] = "alignment";
 constexpr double kVelocitySigma = 0.1;  // [m/s] where --velocity-sigma states none
 
 struct TrackArguments {
@@ -39,12 +39,10 @@ struct TrackArguments {
   std::string initial_velocity;          // VX,VY,VZ (W) [m/s]
   std::optional<double> velocity_sigma;  // [m/s]
   std::string known;                     // a file as known.csv
+  std::string noise = kCommon;
   bool force = false;
   TrackOptions options;
 };
-
-const std::map<std::string, NoiseModel> kNoiseModels{{"common", NoiseModel::kCommon},
-                                                     {"alignment", NoiseModel::kAlignment}};
 
 // As seen from the folder that is written.
 void relocate_images(const Path& output, Sequence& sequence) {
@@ -59,13 +57,14 @@ void relocate_images(const Path& output, Sequence& sequence) {
 
 std::string noise_text(const TrackedImages& tracked, NoiseModel model) {
   if (!tracked.noise) {
-    return fmt::format("{} px as stated; too few tracks to measure it",
+    return fmt::format("{} px as stated, for all measurements; too few tracks to measure it",
                        tracked.sequence.pixel_sigma);
   }
   if (model == NoiseModel::kAlignment) {
     return fmt::format(
         "{:.4g} px, the median of all measurements, by alignment; common to all is {:.4g} px, "
-        "median Sampson distance to a fundamental matrix, median over {} pairs of frames {} apart",
+        "what the median Sampson distance to a fundamental matrix has beside that, median over {} "
+        "pairs of frames {} apart",
         tracked.sequence.pixel_sigma, tracked.noise->sigma, tracked.noise->pairs,
         tracked.noise->lag);
   }
@@ -141,6 +140,7 @@ int execute(TrackArguments arguments) {
   if (!arguments.chessboard.empty()) {
     arguments.options.chessboard = parse_chessboard(arguments.chessboard);
   }
+  if (arguments.noise == kAlignment) arguments.options.noise = NoiseModel::kAlignment;
   Sequence images = read_images(arguments.images);
   require_output(arguments.output, kSequenceOutput, arguments.force, arguments.images);
   require_own_files(arguments.output);
@@ -211,12 +211,11 @@ void add_track(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   command
       ->add_option(
-          "--noise", options.noise,
+          "--noise", arguments->noise,
           "common: one sigma for all measurements; alignment: each its own, by how well its "
           "patch fits")
-      ->transform(CLI::CheckedTransformer(kNoiseModels))
-      ->type_name("common|alignment")
-      ->default_str("common");
+      ->check(CLI::IsMember({kCommon, kAlignment}))
+      ->capture_default_str();
   command->add_flag("--skip-bad-frames", options.skip_bad_frames,
                     "leave out images that cannot be used, and count them");
   command->add_flag("--moving-start", options.moving_start,

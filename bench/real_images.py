@@ -67,7 +67,7 @@ def path_of(tracked, first=0):
 
 
 def tracked_by(program, data, output, name, noise=()):
-    tracked = output / f"{name}-tracked"
+    tracked = output / "-".join([name, *noise[1:], "tracked"])
     if not tracked.exists():
         folder, arguments = SEQUENCES[name]
         subprocess.run([program, "track", data / folder, "--output", tracked, *arguments, *noise], check=True)

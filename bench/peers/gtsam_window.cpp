@@ -3,6 +3,7 @@
 #include <gtsam/inference/Symbol.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace slammot::bench {
 namespace {
@@ -26,7 +27,6 @@ gtsam::LevenbergMarquardtParams parameters(const WindowOptions& options) {
 GtsamWindow::GtsamWindow(const Setup& setup, const WindowOptions& options)
     : setup_(setup),
       smoother_(options.frames - 2, parameters(options)),
-      pixel_noise_(gtsam::noiseModel::Isotropic::Sigma(2, setup.pixel_sigma)),
       camera_(setup.initial.state) {}
 
 void GtsamWindow::process(const Frame& frame) {
@@ -65,7 +65,9 @@ void GtsamWindow::add_point(const Observation& z, News& news) {
   Point& point = found->second;
   point.last_frame = frames_;
   news.times[point.key] = frames_;
-  news.factors.emplace_shared<PixelFactor>(camera_key(frames_), point.key, pixel_noise_,
+  const double sigma = std::sqrt(z.variance(setup_.pixel_sigma));
+  news.factors.emplace_shared<PixelFactor>(camera_key(frames_), point.key,
+                                           gtsam::noiseModel::Isotropic::Sigma(2, sigma),
                                            setup_.camera, z.pixel);
 }
 

@@ -38,7 +38,6 @@ class GtsamWindow {
 
   Setup setup_;
   gtsam::BatchFixedLagSmoother smoother_;
-  gtsam::SharedNoiseModel pixel_noise_;
   std::map<int, Point> points_;  // by track
   CameraState camera_;
   double timestamp_ = 0.0;

@@ -228,7 +228,8 @@ std::vector<Choice<NoiseDiscretisation>> motion_choices() {
 
 std::vector<ConfigurationKey> statement_keys() {
   return {
-      number("pixel_sigma", "measurement noise [px]", kPositive, SLAMMOT_FIELD(pixel_sigma)),
+      number("pixel_sigma", "measurement noise, where relative_sigma is 1 [px]", kPositive,
+             SLAMMOT_FIELD(pixel_sigma)),
       number("motion.acceleration", "camera noise [m/s^2]", kNotNegative,
              SLAMMOT_FIELD(motion.acceleration)),
       number("motion.angular_acceleration", "camera noise [rad/s^2]", kNotNegative,

@@ -92,16 +92,18 @@ Json setup_message(const Setup& setup) {
 }
 
 Json frame_message(const Frame& frame) {
-  Json tracks = Json::array(), pixels = Json::array();
+  Json tracks = Json::array(), pixels = Json::array(), relative_sigmas = Json::array();
   for (const Observation& z : frame.observations) {
     tracks.push_back(z.track);
     pixels.push_back(z.pixel.x());
     pixels.push_back(z.pixel.y());
+    relative_sigmas.push_back(z.relative_sigma);
   }
   return {{"frame", frame.index},
           {"timestamp", frame.timestamp},
           {"tracks", tracks},
-          {"pixels", pixels}};
+          {"pixels", pixels},
+          {"relative_sigmas", relative_sigmas}};
 }
 
 // A quaternion of any length, as Python has no type that keeps it one.

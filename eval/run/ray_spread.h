@@ -9,8 +9,8 @@
 namespace slammot {
 
 // Of the pixels of the static landmarks used in `frame`: root mean square distance to the image of
-// the plane through the camera that fits their rays best, in `pixel_sigma`; through the lens, to
-// first order. NaN where there are none, or not all can be unprojected.
+// the plane through the camera that fits their rays best, each in its own sigma; through the lens,
+// to first order. NaN where there are none, or not all can be unprojected.
 double ray_spread(const Camera& camera, double pixel_sigma, const Frame& frame,
                   const std::vector<LandmarkEstimate>& measured);
 

@@ -48,13 +48,14 @@ class KnownPoints(DeadReckoning):
 
     def process(self, frame):
         _, report = super().process(frame)
-        nis = [self.update(pixel, *self.known[track]) for track, pixel in zip(frame.tracks, frame.pixels)
+        measured = zip(frame.tracks, frame.pixels, self.setup.pixel_sigma * frame.relative_sigmas)
+        nis = [self.update(pixel, pixel_sigma, *self.known[track]) for track, pixel, pixel_sigma in measured
                if track in self.known]
         accepted = [value for value in nis if value <= self.gate]
         report.accepted, report.rejected, report.nis = len(accepted), len(nis) - len(accepted), np.array(accepted)
         return self.x, report
 
-    def update(self, pixel, point, sigma):
+    def update(self, pixel, pixel_sigma, point, sigma):
         """One measurement of one known point; returns its NIS and uses it if it is within the gate."""
         camera, x = self.setup.camera, self.x
         R = so3.matrix(x.orientation)
@@ -65,7 +66,7 @@ class KnownPoints(DeadReckoning):
         J_pixel_ray = np.array([[camera.fx, 0.0, -camera.fx * ray[0] / ray[2]],
                                 [0.0, camera.fy, -camera.fy * ray[1] / ray[2]]]) / ray[2]
         H = np.hstack([-J_pixel_ray @ R.T, J_pixel_ray @ so3.hat(ray), np.zeros((2, 6))])
-        S = H @ x.covariance @ H.T + self.setup.pixel_sigma**2 * np.eye(2)
+        S = H @ x.covariance @ H.T + pixel_sigma**2 * np.eye(2)
         S += sigma**2 * J_pixel_ray @ J_pixel_ray.T
         innovation = pixel - predicted
         nis = innovation @ np.linalg.solve(S, innovation)

@@ -31,7 +31,7 @@ struct TrackMatches {
 };
 TrackMatches match_rays(const Rays& first, const Rays& second);
 
-// Of a coordinate of a ray.
+// Of a coordinate of a ray. One for all matches: OpenCV's search takes a single threshold.
 double ray_sigma(const Camera& camera, double pixel_sigma);
 
 struct TwoView {

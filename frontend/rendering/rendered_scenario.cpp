@@ -12,14 +12,26 @@
 namespace slammot {
 namespace {
 
-Sequence rendered(const RoomOptions& options, std::uint64_t seed) {
-  const Room room(options, seed);
-  const Sequence images = room_sequence(options, seed);
+struct Options {
+  RoomOptions room;
+  int noise_by_alignment = 0;
+};
+
+Parameters parameters(Options& o) {
+  return joined(parameters(o.room),
+                {{"noise_by_alignment",
+                  "1: each measurement has its own sigma, as in track --noise alignment",
+                  &o.noise_by_alignment, 0}});
+}
+
+Sequence rendered(const Options& options, std::uint64_t seed) {
+  const Room room(options.room, seed);
+  const Sequence images = room_sequence(options.room, seed);
   TrackOptions one_thread;  // a study runs a job on each core
   one_thread.threads = 1;
   if (options.noise_by_alignment != 0) one_thread.noise = NoiseModel::kAlignment;
   const auto image = [&](std::size_t place) {
-    return render(room, options, seed, static_cast<int>(place));
+    return render(room, options.room, seed, static_cast<int>(place));
   };
   Sequence sequence = track_images(images, image, one_thread).sequence;
   sequence.images.clear();
@@ -30,7 +42,7 @@ Sequence rendered(const RoomOptions& options, std::uint64_t seed) {
 // Those that are being made are waited for, not made again.
 class LatestSequences {
  public:
-  Sequence get(const RoomOptions& options, std::uint64_t seed) {
+  Sequence get(const Options& options, std::uint64_t seed) {
     std::promise<Sequence> made;
     std::shared_future<Sequence> sequence;
     bool is_new = false;
@@ -55,12 +67,12 @@ class LatestSequences {
     std::shared_future<Sequence> sequence;
   };
 
-  static std::string key_of(RoomOptions options, std::uint64_t seed) {
+  static std::string key_of(Options options, std::uint64_t seed) {
     std::string key = std::to_string(seed);
     for (const ScenarioParameter& p : describe(parameters(options))) key += ' ' + p.value;
     return key;
   }
-  static void make(const RoomOptions& options, std::uint64_t seed, std::promise<Sequence>& made) {
+  static void make(const Options& options, std::uint64_t seed, std::promise<Sequence>& made) {
     try {
       made.set_value(rendered(options, seed));
     } catch (...) {
@@ -79,14 +91,14 @@ template <RoomOptions defaults()>
 Sequence simulate_scene(std::string_view name, const ScenarioOverrides& overrides,
                         std::uint64_t seed) {
   static LatestSequences latest;
-  RoomOptions options = defaults();
+  Options options{defaults()};
   apply(overrides, name, parameters(options));
   return latest.get(options, seed);
 }
 
 template <RoomOptions defaults()>
 std::vector<ScenarioParameter> scene_parameters() {
-  RoomOptions options = defaults();
+  Options options{defaults()};
   return describe(parameters(options));
 }
 

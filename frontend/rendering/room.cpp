@@ -32,8 +32,6 @@ Parameters parameters(RoomOptions& o) {
       {"samples", "rays of a pixel, along each side", &o.samples, 1},
       {"bodies", "that move through the room; basement: passages of the person", &o.bodies, 0},
       {"body_speed", "[m/s]", &o.body_speed, kAbove0},
-      {"noise_by_alignment", "1: each measurement has its own sigma, as in track --noise alignment",
-       &o.noise_by_alignment, 0},
   };
 }
 

@@ -38,7 +38,6 @@ struct RoomOptions {
   int samples = 2;                   // rays of a pixel along each side
   int bodies = 3;                    // that move; basement: how often the person passes
   double body_speed = 1.0;           // [m/s]
-  int noise_by_alignment = 0;        // 1: as `slammot track --noise alignment`
 };
 RoomOptions basement_options();  // its defaults: the thesis's camera
 Parameters parameters(RoomOptions& options);

@@ -100,7 +100,8 @@ double common_sigma(const std::vector<Distance>& distances, const Part& part) {
   for (const Distance& d : distances) {
     squares.push_back((d.e * d.e / (limit * limit) - d.v) / d.u);
   }
-  return std::sqrt(std::max(kLeast * kLeast, quantile(std::move(squares), part.share)));
+  const double square = quantile(std::move(squares), part.share);
+  return std::sqrt(std::max(square, kLeast * kLeast));  // in this order NaN stays NaN
 }
 
 Matches inliers(double a, const std::vector<Distance>& distances, const Matches& m) {

@@ -35,9 +35,9 @@ struct TrackNoise {
 // (docs/recordings.md, also on what it costs).
 inline constexpr double kLeastStated = 0.1;
 
-// What a patch meets in a later image is another view of it, not the same with noise. Over pairs of
-// frames of four recordings and of the rendered room, errors are a and 1.3 to 2 s
-// (docs/recordings.md).
+// What a patch meets in a later image is another view of it, not the same with noise: over pairs of
+// frames errors grow by 1.1 to 1.3 times s on three recordings, by 3.3 on one (docs/recordings.md).
+// Where a track begins s is that of 2 grey levels of noise, for want of a residual.
 inline constexpr double kMismatch = 1.5;
 // A track's error lasts for many frames, and the estimators take it for new in each: by the NEES of
 // the rendered room.

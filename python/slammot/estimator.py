@@ -55,6 +55,7 @@ class Frame:
     timestamp: float    # [s]
     tracks: np.ndarray  # n numbers, increasing
     pixels: np.ndarray  # n x 2
+    relative_sigmas: np.ndarray  # n: the noise of a pixel is Setup.pixel_sigma times this
 
 
 @dataclass

@@ -106,7 +106,7 @@ class Sequence:
     camera: Camera
     pixel_sigma: float
     frames: pandas.DataFrame        # frame, timestamp[, image]
-    observations: pandas.DataFrame  # frame, track, u, v
+    observations: pandas.DataFrame  # frame, track, u, v[, relative_sigma]
     truth: pandas.DataFrame = None
     landmarks: pandas.DataFrame = None
     known: pandas.DataFrame = None
@@ -119,7 +119,8 @@ class Sequence:
         nothing = self.observations.iloc[:0]
         for row in self.frames.itertuples():
             rows = by_frame.get(row.frame, nothing)
-            yield Frame(row.frame, row.timestamp, rows["track"].to_numpy(), rows[["u", "v"]].to_numpy(float))
+            relative = rows["relative_sigma"].to_numpy(float) if "relative_sigma" in rows else np.ones(len(rows))
+            yield Frame(row.frame, row.timestamp, rows["track"].to_numpy(), rows[["u", "v"]].to_numpy(float), relative)
 
 
 def read_sequence(folder):

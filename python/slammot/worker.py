@@ -63,7 +63,7 @@ def setup_of(message):
 
 def frame_of(message):
     return api.Frame(message["frame"], message["timestamp"], np.array(message["tracks"], int),
-                     np.array(message["pixels"], float).reshape(-1, 2))
+                     np.array(message["pixels"], float).reshape(-1, 2), np.array(message["relative_sigmas"], float))
 
 
 def camera_json(camera, timestamp):

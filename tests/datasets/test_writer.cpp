@@ -66,8 +66,7 @@ TEST(NativeWriter, RoundTripIsExact) {
   }
 }
 
-// All or nothing: what the reader would refuse is not written, and what stood there stays.
-// Where all are equally exact the table has its four columns.
+// Where all are 1 the table has its four columns.
 TEST(NativeWriter, WritesRelativeSigmasWhereTheyDiffer) {
   test::TemporaryFolder folder;
   test::write_good(folder.path());
@@ -82,6 +81,7 @@ TEST(NativeWriter, WritesRelativeSigmasWhereTheyDiffer) {
   EXPECT_EQ(header("uneven"), "frame,track,u,v,relative_sigma");
 }
 
+// All or nothing: what the reader would refuse is not written, and what stood there stays.
 TEST(NativeWriter, WritesNothingThatTheReaderRefuses) {
   test::TemporaryFolder folder;
   test::write_good(folder.path());

@@ -1,5 +1,6 @@
 // Measurements that are each half as exact, beside a pixel_sigma of half a pixel, are those of one
 // pixel: to the last bit, wherever an estimator uses a measurement.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "datasets/simulation/scenario.h"
@@ -39,6 +40,7 @@ TEST_P(RelativeSigma, TimesPixelSigmaIsTheNoise) {
     ASSERT_EQ(a.filtered[i].covariance, b.filtered[i].covariance) << "frame " << i;
     ASSERT_EQ(a.counts[i].joint_nis, b.counts[i].joint_nis) << "frame " << i;
   }
+  EXPECT_THAT(b.ray_spread, testing::Pointwise(testing::NanSensitiveDoubleEq(), a.ray_spread));
   ASSERT_EQ(a.smoothed.size(), b.smoothed.size());
   for (std::size_t i = 0; i < a.smoothed.size(); ++i) {
     ASSERT_EQ(a.smoothed[i].state.position, b.smoothed[i].state.position) << "smoothed " << i;
@@ -52,6 +54,8 @@ const Case kCases[] = {
     {"delayed", "delayed", {}},
     {"window", "window", {"window.frames=8"}},
     {"window_retest", "window", {"window.frames=8", "window.retest=true"}},
+    {"window_ceres", "window", {"window.frames=8", "window.solver=ceres"}},
+    {"window_huber", "window", {"window.frames=8", "window.loss=huber"}},
     {"window_probation", "window", {"window.frames=8", "policy.probation=3"}},
     {"batch", "batch", {}},
 };

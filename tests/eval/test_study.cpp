@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <random>
 
@@ -14,6 +15,7 @@
 #include "eval/study/study_driver.h"
 #include "eval/study/study_run.h"
 #include "eval/study/summary/study_summary.h"
+#include "frontend/rendering/rendered_scenario.h"
 #include "tests/paths.h"
 #include "tests/temporary_folder.h"
 
@@ -38,11 +40,16 @@ TEST(Bootstrap, IntervalOfAMeanIsThatOfTheNormalDistribution) {
 
 // The program's own rendered scenarios take long: another stands in for each.
 void add_rendered() {
-  constexpr auto helix = [](std::string_view, const ScenarioOverrides& /*its own*/,
-                            std::uint64_t seed) { return simulate("helix", {}, seed); };
-  constexpr auto none = [] { return std::vector<ScenarioParameter>{}; };
-  static const ScenarioRow rows[] = {{"basement", "helix", helix, none},
-                                     {"room", "helix", helix, none}};
+  constexpr auto helix = [](std::string_view name, const ScenarioOverrides& overrides,
+                            std::uint64_t seed) {
+    const std::vector<ScenarioParameter> known = scenario_parameters(name);
+    for (const auto& [key, value] : overrides) {
+      EXPECT_NE(std::ranges::find(known, key, &ScenarioParameter::name), known.end()) << key;
+    }
+    return simulate("helix", {}, seed);
+  };
+  static std::vector<ScenarioRow> rows(rendered_scenarios().begin(), rendered_scenarios().end());
+  for (ScenarioRow& row : rows) row.simulate = helix;
   add_scenarios(rows);
 }
 

@@ -110,7 +110,10 @@ class Unscented final : public Belief {
       return std::ranges::find(accepted, pixel.z.track, &Observation::track) == accepted.end();
     });
     stack();
-    S_.diagonal().array() += setup_.pixel_sigma * setup_.pixel_sigma;
+    for (std::size_t k = 0; k < pixels_.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(2 * k);
+      S_.diagonal().segment<2>(i).array() += pixels_[k].z.variance(setup_.pixel_sigma);
+    }
     correct(P_Ht_, S_, nu_);
   }
 
@@ -172,7 +175,8 @@ class Unscented final : public Belief {
     MatrixXd J = MatrixXd::Zero(3, 13), root(3, 3);
     J.middleCols<3>(kRotation) = born->J_rotation;
     if (shared) J.col(kScene) = born->J_inverse_depth;
-    root << setup_.pixel_sigma * born->J_pixel, prior.inverse_depth_sigma * born->J_inverse_depth;
+    root << std::sqrt(z.variance(setup_.pixel_sigma)) * born->J_pixel,
+        prior.inverse_depth_sigma * born->J_inverse_depth;
     insert(z.track, born->y, J, root * root.transpose());
     if (is_free) free(z.track, prior);
     return true;

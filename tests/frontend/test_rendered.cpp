@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <span>
 
 #include "datasets/native/native_reader.h"
 #include "datasets/native/native_writer.h"
@@ -22,9 +24,14 @@
 namespace slammot {
 namespace {
 
-// Errors of all but the first measurement of each static track: the first one defines the point.
-std::vector<double> pixel_errors(const Sequence& sequence) {
-  std::vector<double> errors;
+struct PixelError {
+  double error;  // of one coordinate [px]
+  double stated_sigma;
+};
+
+// Of all but the first measurement of each static track: the first one defines the point.
+std::vector<PixelError> pixel_errors(const Sequence& sequence) {
+  std::vector<PixelError> errors;
   std::set<int> seen;
   for (size_t i = 0; i < sequence.frames.size(); ++i) {
     const CameraState& camera = *sequence.truth[i];
@@ -34,11 +41,16 @@ std::vector<double> pixel_errors(const Sequence& sequence) {
       const Eigen::Vector3d ray =
           camera.orientation.conjugate() * (landmark.at(0)->position - camera.position);
       const Eigen::Vector2d error = z.pixel - sequence.camera.project(ray)->pixel;
-      errors.insert(errors.end(), {std::abs(error.x()), std::abs(error.y())});
+      const double stated = std::sqrt(z.variance(sequence.pixel_sigma));
+      for (const double e : error) errors.push_back({std::abs(e), stated});
     }
   }
-  std::sort(errors.begin(), errors.end());
   return errors;
+}
+
+double quantile(std::span<PixelError> errors, double part) {
+  std::ranges::sort(errors, {}, &PixelError::error);
+  return errors[static_cast<size_t>(part * static_cast<double>(errors.size()))].error;
 }
 
 class Rendered : public ::testing::Test {
@@ -58,6 +70,15 @@ class Rendered : public ::testing::Test {
     return std::filesystem::temp_directory_path() / ("slammot-room-" + std::to_string(getpid()));
   }
   static Sequence tracked() { return read_native(folder() / "tracked"); }
+  static Sequence tracked_by_alignment() {
+    TrackOptions options;
+    options.threads = 1;
+    options.noise = NoiseModel::kAlignment;
+    TrackedImages tracked = track_images(read_images(folder() / "room"), options);
+    add_room_truth(folder() / "room", tracked.sequence);
+    write_native(tracked.sequence, folder() / "by_alignment");
+    return read_native(folder() / "by_alignment");
+  }
 };
 
 TEST_F(Rendered, TheSameSeedGivesTheSameImagesOnAnyNumberOfThreads) {
@@ -92,15 +113,47 @@ TEST_F(Rendered, TheTruthIsThereForEveryTrack) {
 
 TEST_F(Rendered, TheNoiseMeasuredIsThatOfTheTracks) {
   const Sequence sequence = tracked();
-  const std::vector<double> errors = pixel_errors(sequence);
-  const double sigma = 1.4826 * errors[errors.size() / 2];
+  std::vector<PixelError> errors = pixel_errors(sequence);
+  const double sigma = 1.4826 * quantile(errors, 0.5);
   const auto noise = measure_noise(sequence);
   ASSERT_TRUE(noise);
   std::printf("noise measured %.3f px; true, robustly %.3f px, 90%% below %.3f px\n", noise->sigma,
-              sigma, errors[errors.size() * 9 / 10]);
+              sigma, quantile(errors, 0.9));
   EXPECT_GT(noise->sigma, sigma / 2.0);
   EXPECT_LT(noise->sigma, sigma * 2.0);
   EXPECT_EQ(sequence.pixel_sigma, kLeastStated);
+}
+
+// The third that is stated to be the most exact against the third stated to be the least.
+TEST_F(Rendered, TheSigmasByAlignmentAreThoseOfTheErrors) {
+  std::vector<PixelError> errors = pixel_errors(tracked_by_alignment());
+  std::ranges::sort(errors, {}, &PixelError::stated_sigma);
+  const std::span all(errors);
+  const size_t third = all.size() / 3;
+  const double best_stated = all[third / 2].stated_sigma;
+  const double worst_stated = all[all.size() - third / 2].stated_sigma;
+  const double best = quantile(all.first(third), 0.5), worst = quantile(all.last(third), 0.5);
+  std::printf("stated %.3f and %.3f px, median errors %.3f and %.3f px\n", best_stated,
+              worst_stated, best, worst);
+  EXPECT_GT(worst_stated, 1.5 * best_stated);
+  EXPECT_GT(worst, 1.5 * best);
+  EXPECT_LT(1.4826 * best, 2.0 * best_stated);
+  EXPECT_LT(1.4826 * worst, 2.0 * worst_stated);
+}
+
+// A measurement's own fit, not that of its track.
+TEST_F(Rendered, TheSigmasByAlignmentChangeAlongATrack) {
+  std::map<int, std::set<double>> of_track;
+  int measurements = 0;
+  for (const Frame& frame : tracked_by_alignment().frames) {
+    for (const Observation& z : frame.observations) {
+      of_track[z.track].insert(z.relative_sigma);
+      ++measurements;
+    }
+  }
+  int different = 0;
+  for (const auto& [track, sigmas] : of_track) different += static_cast<int>(sigmas.size());
+  EXPECT_GT(different, measurements * 9 / 10);
 }
 
 TEST_F(Rendered, FromPixelsToNees) {

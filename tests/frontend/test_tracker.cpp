@@ -205,6 +205,10 @@ TEST(Noise, IsMeasuredBesideThatOfTheAlignment) {
     EXPECT_NEAR(stated, std::hypot(noise->sigma, kMismatch * (z.track % 4 == 0 ? 0.3 : 0.02)),
                 1e-12);
   }
+  Sequence unknown = sequence;
+  state_noise(std::nullopt, NoiseModel::kAlignment, unknown);
+  EXPECT_EQ(unknown.pixel_sigma, sequence.pixel_sigma);
+  for (const Observation& z : unknown.frames.back().observations) EXPECT_EQ(z.relative_sigma, 1.0);
   state_noise(noise, NoiseModel::kCommon, sequence);
   for (const Observation& z : sequence.frames.back().observations) EXPECT_EQ(z.relative_sigma, 1.0);
   EXPECT_EQ(sequence.pixel_sigma, std::max(kLeastStated, noise->sigma));

@@ -31,6 +31,7 @@ void check_frames(const Sequence& s) {
     require(i == 0 || s.frames[i].timestamp > s.frames[i - 1].timestamp, "the order of times");
     for (const Observation& z : s.frames[i].observations) {
       require(z.track >= 0 && z.pixel.allFinite(), "a measurement");
+      require(z.relative_sigma > 0.0 && std::isfinite(z.relative_sigma), "its sigma");
     }
   }
   for (const auto& x : s.truth) require(!x || is_finite(*x), "a true camera");

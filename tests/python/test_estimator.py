@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -65,28 +66,42 @@ class PythonEstimator(unittest.TestCase):
         return program("run", self.sequence.folder, "--estimator", f"python:{self.script(fault, text)}:{name}",
                        "--output", self.folder / "run", "--force", *words)
 
+    def uneven(self):
+        """The sequence, with measurements that are not equally exact."""
+        folder = self.folder / "uneven"
+        shutil.copytree(self.sequence.folder, folder)
+        table = self.sequence.observations
+        relative = np.linspace(0.5, 2.0, len(table))
+        table.assign(relative_sigma=relative).to_csv(folder / "observations.csv", index=False)
+        return slammot.read_sequence(folder)
+
     def test_numbers_cross_unchanged(self):
         """The harness judges what the script computes alone, to the last digit."""
+        even, uneven = (self.check_numbers(sequence) for sequence in (self.sequence, self.uneven()))
+        self.assertFalse(np.array_equal(even, uneven))
+
+    def check_numbers(self, sequence):
         class_text = EXAMPLES.read_text(encoding="utf-8")
-        run = slammot.run(self.sequence.folder, f"python:{EXAMPLES}:KnownPoints", self.folder / "known")
+        run = slammot.run(sequence.folder, f"python:{EXAMPLES}:KnownPoints", self.folder / f"known-{sequence.folder.name}")
         scope = {"__name__": "examples"}
         exec(compile(class_text, str(EXAMPLES), "exec"), scope)  # pylint: disable=exec-used
-        known, initial = self.sequence.known, self.sequence.initial
+        known, initial = sequence.known, sequence.initial
         sigma = initial["sigma"]
         parts = ("position", "rotation", "velocity", "angular_velocity")
         sigmas = np.repeat([float(sigma[part]) for part in parts], 3)
         setup = slammot.Setup(
-            self.sequence.camera, self.sequence.pixel_sigma, *self.sequence.settings["motion"].values(), {},
+            sequence.camera, sequence.pixel_sigma, *sequence.settings["motion"].values(), {},
             slammot.CameraEstimate(np.array(initial["position"]), np.array(initial["quaternion"]), np.diag(sigmas**2),
                                    np.array(initial["velocity"]), np.array(initial["angular_velocity"])),
             slammot.KnownLandmarks(known["track"].to_numpy(), known[["x", "y", "z"]].to_numpy(), known["sigma"].to_numpy()),
             {"gate.probability": "0.95"})
         alone = scope["KnownPoints"](setup)
         self.assertEqual(run.description["estimator_sha256"], hashlib.sha256(EXAMPLES.read_bytes()).hexdigest())
-        for i, frame in enumerate(self.sequence):
+        for i, frame in enumerate(sequence):
             camera, _ = alone.process(frame)
             np.testing.assert_array_equal(camera.position, run.trajectory.loc[i, ["x", "y", "z"]])
             np.testing.assert_array_equal(camera.covariance[np.triu_indices(6)], run.covariance[i][np.triu_indices(6)])
+        return run.covariance
 
     def test_it_is_as_good_as_the_ekf_where_both_have_the_known_points(self):
         mine = slammot.run(self.sequence.folder, f"python:{EXAMPLES}:KnownPoints", self.folder / "known2")

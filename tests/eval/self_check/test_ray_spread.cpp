@@ -13,8 +13,10 @@
 namespace slammot {
 namespace {
 
-// Static landmarks of a line in space (or, with `across`, beside it), seen with 0.5 px of noise.
-double spread_of_line(const Camera& camera, double angle, double across, double stated_sigma) {
+// Static landmarks of a line in space (or, with `across`, beside it), seen with 0.5 px of noise,
+// every third with `uneven` times as much.
+double spread_of_line(const Camera& camera, double angle, double across, double stated_sigma,
+                      double uneven = 1.0) {
   std::mt19937 generator(1);
   std::normal_distribution<double> noise(0.0, 0.5);
   Frame frame{7, 0.0, {}};
@@ -23,8 +25,11 @@ double spread_of_line(const Camera& camera, double angle, double across, double 
     const double along = -1.0 + 0.01 * track, beside = track % 2 == 0 ? across : -across;
     const Eigen::Vector2d point = Eigen::Rotation2Dd(angle) * Eigen::Vector2d(along, 0.1 + beside);
     const Eigen::Vector2d pixel = camera.project({point.x(), point.y(), 2.0})->pixel;
+    const double relative = track % 3 == 0 ? uneven : 1.0;
     frame.observations.push_back(
-        {track, {pixel.x() + noise(generator), pixel.y() + noise(generator)}});
+        {track,
+         {pixel.x() + relative * noise(generator), pixel.y() + relative * noise(generator)},
+         relative});
     measured.emplace_back();
     measured.back().track = track;
     measured.back().label = Label::kStatic;
@@ -42,6 +47,7 @@ TEST(RaySpread, OfALineIsThatOfTheNoise) {
         SCOPED_TRACE(testing::Message() << lens_name(lens) << " fy " << fy << " angle " << angle);
         EXPECT_NEAR(spread_of_line(camera, angle, 0.0, 0.5), 1.0, 0.12);
         EXPECT_NEAR(spread_of_line(camera, angle, 0.0, 1.0), 0.5, 0.06);
+        EXPECT_NEAR(spread_of_line(camera, angle, 0.0, 0.5, 5.0), 1.0, 0.12);
       }
       EXPECT_NEAR(spread_of_line(camera, 0.0, 0.1, 0.5) / (0.1 / 2.0 * fy / 0.5), 1.0, 0.12);
     }
