@@ -36,25 +36,6 @@ std::optional<ObservedPixel> linearised(const JointState& state, const Linearisa
   return there;
 }
 
-// Whether N is stated for a landmark: that of a free one is not (second_order.h).
-bool has_second_order(const Linearisation& linearisation, const FilterLandmark& landmark) {
-  return linearisation.has_second_order() && !landmark.is_free();
-}
-
-Eigen::Matrix2d second_order(const JointState& state, const Linearisation& linearisation,
-                             const FilterLandmark& landmark, const ObservedPixel& h) {
-  if (!has_second_order(linearisation, landmark)) return Eigen::Matrix2d::Zero();
-  const StateBlock blocks[] = {
-      {kPosition, 3}, state.anchors.at(landmark.anchor).block, landmark.y_block};
-  PositionsCovariance P;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      P.block<3, 3>(3 * i, 3 * j) = state.covariance.block(blocks[i], blocks[j]);
-    }
-  }
-  return second_order_noise(linearisation.point(), landmark.y, P, h);
-}
-
 void stack_J_pose(Innovation& z) {
   z.J_pose.resize(z.rows(), 6);
   for (Index i = 0; i < std::ssize(z.predicted); ++i) {
@@ -163,17 +144,15 @@ void linearise(const JointState& state, const Linearisation& linearisation, cons
   result.matches.clear();
   result.predicted.clear();
   result.nu.clear();
-  result.second_order.clear();
   for (const Observation& match : matches) {
     const auto h = linearised(state, linearisation, camera, match.track);
     if (!h) continue;
     result.matches.push_back(match);
     result.predicted.push_back(*h);
     result.nu.emplace_back(match.pixel - h->pixel);
-    result.second_order.push_back(
-        second_order(state, linearisation, state.landmarks.at(match.track), *h));
   }
   fill_P_Ht(state, result);
+  fill_P_rho(state, linearisation, result);
 }
 
 std::optional<Prediction> predict_pixel(const JointState& state, const Linearisation& linearisation,
@@ -187,7 +166,7 @@ std::optional<Prediction> predict_pixel(const JointState& state, const Linearisa
   H << h->J_pose, h->J_anchor, h->J_y;
   const Matrix12d P = state.marginal(blocks);
   Eigen::Matrix2d HPHt = H * P * H.transpose();
-  if (has_second_order(linearisation, landmark)) {
+  if (linearisation.has_second_order() && !landmark.is_free()) {
     constexpr int kPlaces[] = {0, 1, 2, 6, 7, 8, 9, 10, 11};  // of r, a, y
     HPHt += second_order_noise(linearisation.point(), landmark.y, P(kPlaces, kPlaces), *h);
   }
@@ -211,12 +190,12 @@ void fill_HPHt(const JointState& state, Innovation& z, GrowingMatrix& result) {
           h.J_anchor.lazyProduct(P_Ht.block<3, 1>(anchor, column)) +
           h.J_y.lazyProduct(P_Ht.block<3, 1>(landmark.y_block.offset, column));
     }
-    S.block<2, 2>(row, row) += z.second_order[i];
   }
+  add_second_order(state, z, result);
 }
 
 void keep(std::span<const Observation> accepted, Innovation& z) {
-  auto P_Ht = *z.P_Ht;
+  auto P_Ht = *z.P_Ht, P_rho = *z.P_rho;
   std::size_t kept = 0;
   for (std::size_t i = 0; kept < accepted.size(); ++i) {
     assert(i < z.matches.size());
@@ -225,7 +204,8 @@ void keep(std::span<const Observation> accepted, Innovation& z) {
       z.matches[kept] = z.matches[i];
       z.predicted[kept] = z.predicted[i];
       z.nu[kept] = z.nu[i];
-      z.second_order[kept] = z.second_order[i];
+      z.J_rho[kept] = z.J_rho[i];
+      if (P_rho.cols() > 0) P_rho.col(static_cast<Index>(kept)) = P_rho.col(static_cast<Index>(i));
       P_Ht.middleCols<2>(static_cast<Index>(2 * kept)) =
           P_Ht.middleCols<2>(static_cast<Index>(2 * i));
     }
@@ -234,8 +214,9 @@ void keep(std::span<const Observation> accepted, Innovation& z) {
   z.matches.resize(kept);
   z.predicted.resize(kept);
   z.nu.resize(kept);
-  z.second_order.resize(kept);
+  z.J_rho.resize(kept);
   z.P_Ht.keep_columns(z.rows());
+  if (P_rho.cols() > 0) z.P_rho.keep_columns(static_cast<Index>(kept));
 }
 
 void update(JointState& state, Linearisation& linearisation, const Camera& camera,

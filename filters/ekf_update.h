@@ -16,13 +16,17 @@ struct Innovation {
   std::vector<Observation> matches;  // of landmarks in the state
   std::vector<ObservedPixel> predicted;
   std::vector<Eigen::Vector2d> nu;
-  std::vector<Eigen::Matrix2d> second_order;  // N (second_order.h), or zero [px^2]
+  std::vector<Eigen::RowVector3d> J_rho;  // of y; zero where no N is stated (second_order.h)
   GrowingMatrix P_Ht;
+  GrowingMatrix P_rho;  // P J_rho', n x m; no columns where N is not stated at all
+  bool has_common_second_order = false;
 
   Eigen::Index rows() const { return 2 * std::ssize(matches); }
   Eigen::Map<Eigen::VectorXd> stacked_nu() { return {nu.data()->data(), rows()}; }
 
-  GrowingMatrix columns, J_pose, S, S_inverse, dx;  // working memory
+  GrowingMatrix columns, J_pose, S, S_inverse, dx, P_d;  // working memory
+  std::vector<StateBlock> places;                        // anchors
+  std::vector<Eigen::Index> place_of;                    // of each match
 };
 
 // Linearises; matches whose landmark is not expected in view are left out (observation.h).
@@ -32,6 +36,14 @@ void linearise(const JointState& state, const Linearisation& linearisation, cons
 // Where a landmark is expected, with H P H' + N; nothing where it is not expected in view.
 std::optional<Prediction> predict_pixel(const JointState& state, const Linearisation& linearisation,
                                         const Camera& camera, int track);
+
+// Second order, as linearise() does: P J_rho' of each static landmark, what its inverse depth has
+// in common with the state.
+void fill_P_rho(const JointState& state, const Linearisation& linearisation,
+                Innovation& innovation);
+
+// result := result + N of all matches, its lower triangle.
+void add_second_order(const JointState& state, Innovation& innovation, GrowingMatrix& result);
 
 // H P H' + N of all matches, its lower triangle.
 void fill_HPHt(const JointState& state, Innovation& innovation, GrowingMatrix& result);

@@ -12,6 +12,7 @@ Linearisation::Linearisation(const EkfOptions& options, const LandmarkFunctions&
                              std::shared_ptr<const Truth> truth, bool any_known)
     : kind_(options.linearisation),
       second_order_(options.second_order),
+      any_known_(any_known),
       functions_(landmark),
       truth_(std::move(truth)) {
   if (kind_ == Kind::kIdeal && !truth_) {

@@ -49,6 +49,8 @@ class Linearisation {
   bool movers_may_move_alone() const { return kind_ == Kind::kStandard || kind_ == Kind::kFej; }
 
   bool has_second_order() const { return second_order_ && !at_truth(); }
+  // Whether N has blocks beside its diagonal (second_order.h).
+  bool has_common_second_order() const { return has_second_order() && any_known_; }
 
   const PointFunctions& point() const { return functions_.point; }
   CameraState camera(const JointState& state) const;
@@ -90,7 +92,7 @@ class Linearisation {
   void forget_what_left(const JointState& state);
 
   Kind kind_;
-  bool second_order_;
+  bool second_order_, any_known_;
   const LandmarkFunctions& functions_;
   std::shared_ptr<const Truth> truth_;
   std::optional<ScaleError> scale_;

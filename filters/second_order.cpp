@@ -2,14 +2,20 @@
 
 namespace slammot {
 
+Eigen::Matrix2d second_order_noise(const ObservedPixel& h_i, const ObservedPixel& h_j,
+                                   const ProductMoments& m) {
+  return h_i.J_world * (m.e_e * m.d_d + m.d_e * m.e_d.transpose()) * h_j.J_world.transpose();
+}
+
 Eigen::Matrix2d second_order_noise(const PointFunctions& point, const Eigen::Vector3d& y,
                                    const PositionsCovariance& P, const ObservedPixel& h) {
   const auto block = [&](int i, int j) { return P.block<3, 3>(3 * i, 3 * j); };
-  const Eigen::Matrix3d P_d = block(1, 1) - block(1, 0) - block(0, 1) + block(0, 0);
   const Eigen::RowVector3d J_rho = point.inverse_depth_jacobian(y);
-  const double P_rho = (J_rho * block(2, 2)).dot(J_rho);
-  const Eigen::RowVector3d c = J_rho * (block(2, 1) - block(2, 0));
-  return h.J_world * (P_rho * P_d + c.transpose() * c) * h.J_world.transpose();
+  ProductMoments moments;
+  moments.e_e = (J_rho * block(2, 2)).dot(J_rho);
+  moments.d_d = block(1, 1) - block(1, 0) - block(0, 1) + block(0, 0);
+  moments.d_e = moments.e_d = (block(1, 2) - block(0, 2)) * J_rho.transpose();
+  return second_order_noise(h, h, moments);
 }
 
 }  // namespace slammot

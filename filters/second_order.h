@@ -8,6 +8,16 @@
 //
 //     Cov(e d) = P_rho P_d + c c'        N = J Cov(e d) J',   J = d pixel / d ray (W)
 //
+// The products of two landmarks i and j have the camera in common, and the error of the mean depth
+// if that is estimated. So N has blocks beside its diagonal:
+//
+//     Cov(e_i d_i, e_j d_j) = E[e_i e_j] E[d_i d_j'] + E[d_i e_j] E[e_i d_j']
+//
+// Without them many landmarks seem to know a translation that known ones contradict, and these are
+// rejected. They are stated only where landmarks are known. Elsewhere the mean depth has a sigma of
+// 1 1/m at first, which is not that of any scene: nothing of the translation would be learnt from
+// the first frames (docs/consistency-negative.md).
+//
 // Of static landmarks only: the motion of a free one explains its parallax whatever rho is. The
 // mean of the product, c, is left out. Figures: docs/recordings.md.
 #pragma once
@@ -18,6 +28,17 @@ namespace slammot {
 
 // The covariance of camera position r, anchor a and y of a landmark, in this order.
 using PositionsCovariance = Eigen::Matrix<double, 9, 9>;
+
+// Covariances of the errors of two landmarks: e of rho, d of anchor less camera.
+struct ProductMoments {
+  double e_e = 0.0;
+  Eigen::Matrix3d d_d;
+  Eigen::Vector3d d_e, e_d;  // of d_i and e_j, of e_i and d_j
+};
+
+// N_ij [px^2] of static landmarks i and j that are expected at h_i and h_j.
+Eigen::Matrix2d second_order_noise(const ObservedPixel& h_i, const ObservedPixel& h_j,
+                                   const ProductMoments& moments);
 
 // N [px^2] of a static landmark at y that is expected at h.
 Eigen::Matrix2d second_order_noise(const PointFunctions& point, const Eigen::Vector3d& y,

@@ -2,10 +2,12 @@
 // formulas.
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <random>
 
+#include "filters/second_order.h"
 #include "tests/filters/small_scene.h"
 
 namespace slammot {
@@ -105,7 +107,7 @@ TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
   fill_HPHt(state, z, HPHt);
   for (int i = 0; i < 4; ++i) {
     const bool is_static = i < 3;
-    EXPECT_EQ(z.second_order[static_cast<std::size_t>(i)].norm() > 0.0, is_static);
+    EXPECT_EQ(z.J_rho[static_cast<std::size_t>(i)].norm() > 0.0, is_static);
     const Eigen::Matrix2d S = (*HPHt).block<2, 2>(2 * i, 2 * i).selfadjointView<Eigen::Lower>();
     const auto shown = predict_pixel(state, second, pinhole(), i);
     const auto without = predict_pixel(state, standard, pinhole(), i);
@@ -113,6 +115,45 @@ TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
     EXPECT_LT((shown->S - S).norm(), 1e-12 * S.norm());
     EXPECT_EQ((shown->S - without->S).norm() > 0.0, is_static);
   }
+}
+
+// Where landmarks are known: all blocks, and after some matches were let go.
+TEST(SecondOrder, IsInTheJointCovarianceOfAllPixels) {
+  const LandmarkFunctions& model = find_landmark("scaled_velocity", "inverse_depth");
+  const Linearisation second({.equivariant_scale = false}, model, nullptr, /*any_known=*/true);
+  JointState state = scene(2);
+  state.camera.velocity = {1.0, 0.0, 0.2};  // at rest no depth is measured
+  step(state, standard, pixels_of(state, standard.point(), 1));
+  Innovation z;
+  linearise(state, second, pinhole(), pixels_of(state, standard.point(), 2), z);
+  const std::vector<Observation> kept = {z.matches[0], z.matches[2], z.matches[3]};
+  keep(kept, z);
+  GrowingMatrix HPHt;
+  fill_HPHt(state, z, HPHt);
+  const Eigen::MatrixXd P = state.covariance.dense(), H = dense_H(state, z);
+  Eigen::MatrixXd expected = H * P * H.transpose();
+  const auto errors_of = [&](std::size_t i) {  // rows that take e and d from the state's error
+    const FilterLandmark& l = state.landmarks.at(z.matches[i].track);
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(4, P.rows());
+    rows.block<1, 3>(0, l.y_block.offset) = model.point.inverse_depth_jacobian(l.y);
+    rows.block<3, 3>(1, state.anchors.at(l.anchor).block.offset).setIdentity();
+    rows.block<3, 3>(1, kPosition) -= Eigen::Matrix3d::Identity();
+    return rows;
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Eigen::Matrix4d both = errors_of(i) * P * errors_of(j).transpose();
+      const ProductMoments moments{both(0, 0), both.bottomRightCorner<3, 3>(),
+                                   both.bottomLeftCorner<3, 1>(),
+                                   both.topRightCorner<1, 3>().transpose()};
+      const Eigen::Matrix2d N = second_order_noise(z.predicted[i], z.predicted[j], moments);
+      EXPECT_GT(N.norm(), 0.0);
+      expected.block<2, 2>(static_cast<Eigen::Index>(2 * i), static_cast<Eigen::Index>(2 * j)) += N;
+    }
+  }
+  const Eigen::MatrixXd all = (*HPHt).selfadjointView<Eigen::Lower>();
+  EXPECT_LT((all - expected).norm(), 1e-12 * expected.norm());
+  EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(expected).info(), Eigen::Success);
 }
 
 TEST(Keep, LeavesTheInnovationOfWhatWasAccepted) {
