@@ -18,7 +18,7 @@ FORMAT = "slammot-summary-2"
 
 def tables_of(summary):
     tables = {"ranking": ranking.table(summary)} if "ranking" in summary["figures"] else {}
-    tables |= {"summary": study_tables.summary_table(summary),
+    tables |= {"summary": study_tables.summary_table(summary), "warnings": study_tables.warnings_table(summary),
               "consistency": study_tables.consistency_table(summary),
               "nees_by_run": study_tables.nees_by_run_table(summary), "classification": study_tables.classification_table(summary),
               "pairs": study_tables.pairs_table(summary), "lags": study_tables.lags_table(summary), "metrics": study_tables.metrics_table(summary),

@@ -151,6 +151,7 @@ def summary_cells(cell):
         "ANEES position (3)": (anees_text(position), anees_class(position)),
         "RMSE over ideal sigma": (number(over_ideal.get("position")), ""),
         "the same, median run": (with_interval(over_ideal.get("median")), ""),
+        "joint NIS (2)": (with_interval(cell.get("nis_joint")), ""),
         "time per frame [ms]": (number(frame_ms(cell)), "")}
 
 
@@ -168,12 +169,32 @@ def summary_table(summary):
         "A run has failed when its position error exceeds "
         f"{failure_bound(False)} (where the truth is measured: {failure_bound(True)}), has diverged when its state is no longer finite, and warns where its own numbers "
         "speak against it, without any truth. RMSE is over the runs that did not diverge; of a batch, values are smoothed ones. RMSE over ideal sigma: ratio to the standard deviation of the ideal covariance, that of an EKF "
-        "linearised at the truth, with known labels, the fixed depth prior and no gate; its row gives it. It is no bound. Other numbers: table Metrics.",
+        "linearised at the truth, with known labels, the fixed depth prior and no gate; its row gives it. It is no bound. Joint NIS: of all accepted measurements of "
+        "a frame together, a measurement; 2 is right. Other numbers: table Metrics.",
         ["scenario", "estimator"] + order, rows, classes)
 
 
 ORDER = ("runs", "failed", "diverged", "warned", "failed, not warned", "ATE Sim(3) [m]", "scale", "position RMSE [m]", "ANEES pose (6)", "frames inside",
-         "ANEES position (3)", "RMSE over ideal sigma", "the same, median run", "time per frame [ms]")
+         "ANEES position (3)", "joint NIS (2)", "RMSE over ideal sigma", "the same, median run", "time per frame [ms]")
+
+NAMED = 3  # runs
+
+
+def warning_text(run):
+    return f'seed {run["seed"]}: ' + "; ".join(
+        ("" if w["frame"] is None else f'from frame {w["frame"]}, ') + w["reason"] for w in run["warnings"])
+
+
+def warnings_table(summary):
+    rows = []
+    for group, cell in estimators_of(summary):
+        runs = cell.get("warnings") or []
+        if runs:
+            more = f" and {len(runs) - NAMED} more" if len(runs) > NAMED else ""
+            rows.append([group["name"], cell["label"], str(cell["runs"]), str(len(runs)), ". ".join(map(warning_text, runs[:NAMED])) + more])
+    return Table(
+        "Warnings", f"What runs say against themselves, without any truth; of each estimator the first {NAMED} runs that warn. results.jsonl has all.",
+        ["scenario", "estimator", "runs", "that warn", "why"], rows)
 
 
 def anees_mean(part):

@@ -27,6 +27,16 @@ def failures(summary):
     return [("Failed", sentences)] if sentences else []
 
 
+def warned(summary):
+    sentences = []
+    for label in labels(summary):
+        cells = [cell for _, cell in cells_called(summary, label)]
+        warning = sum(len(cell.get("warnings") or []) for cell in cells)
+        if warning:
+            sentences.append(f"{label}: {warning} of {sum(c['runs'] for c in cells)} runs warn; why is in the table Warnings.")
+    return [("Warned", sentences)] if sentences else []
+
+
 def known_errors(group, summary):
     """(estimate, label), the smallest error first."""
     found = [(error_of(cell), cell["label"]) for g, cell in estimators_of(summary) if g is group]
@@ -104,7 +114,7 @@ def recommendation(summary):
 
 
 def findings(summary):
-    return [*failures(summary), *recommendation(summary), *accuracy(summary), *pairs(summary), *consistency(summary)]
+    return [*failures(summary), *warned(summary), *recommendation(summary), *accuracy(summary), *pairs(summary), *consistency(summary)]
 
 
 def most_runs(summary):

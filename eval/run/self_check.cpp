@@ -14,8 +14,9 @@ namespace slammot {
 namespace {
 
 // Sums over this many frames: long enough that a few bad frames are none, short enough that a good
-// start does not hide a bad end.
+// start does not hide a bad end. A shorter run is judged as a whole.
 constexpr size_t kFrames = 30;
+constexpr size_t kShortestRun = 10;      // of a sum that is shorter
 constexpr size_t kBurst = 5;             // and over these: a sudden loss, before tracks begin anew
 constexpr int kLeastMeasurements = 100;  // of a sum, else it says nothing
 constexpr int kLeastOfBurst = 30;
@@ -58,10 +59,18 @@ Sums sums_of(const std::vector<FrameCounts>& counts, size_t first, size_t frames
 
 using Test = std::function<std::optional<std::string>(const Sums&)>;
 
+// Frames of a sum: all of a run that has fewer than asked for. Of too few nothing is said.
+std::optional<size_t> length_of_sums(size_t run, size_t asked) {
+  if (run < std::min(asked, kShortestRun)) return std::nullopt;
+  return std::min(run, asked);
+}
+
 // The first frame of the first sum over so many frames that fails.
-std::optional<RunWarning> first_failure(const RunResult& run, size_t frames, const Test& test) {
-  for (size_t i = 0; i + frames <= run.counts.size(); ++i) {
-    if (const auto reason = test(sums_of(run.counts, i, frames))) {
+std::optional<RunWarning> first_failure(const RunResult& run, size_t asked, const Test& test) {
+  const auto frames = length_of_sums(run.counts.size(), asked);
+  if (!frames) return std::nullopt;
+  for (size_t i = 0; i + *frames <= run.counts.size(); ++i) {
+    if (const auto reason = test(sums_of(run.counts, i, *frames))) {
       return RunWarning{run.frames[i], *reason};
     }
   }
@@ -140,15 +149,17 @@ std::optional<RunWarning> nothing_static(const RunResult& run) {
 
 // Through frames in most of which all that it used lies on one line of the image, or in one point.
 std::optional<RunWarning> all_on_one_line(const RunResult& run) {
-  for (std::size_t i = 0; i + kFrames <= run.ray_spread.size(); ++i) {
-    const auto thin = std::ranges::count_if(std::span(run.ray_spread).subspan(i, kFrames),
+  const auto frames = length_of_sums(run.ray_spread.size(), kFrames);
+  if (!frames) return std::nullopt;
+  for (std::size_t i = 0; i + *frames <= run.ray_spread.size(); ++i) {
+    const auto thin = std::ranges::count_if(std::span(run.ray_spread).subspan(i, *frames),
                                             [](double spread) { return spread < kLeastSpread; });
-    if (2 * static_cast<std::size_t>(thin) <= kFrames) continue;
+    if (2 * static_cast<std::size_t>(thin) <= *frames) continue;
     return RunWarning{run.frames[i],
                       fmt::format("in {} of {} frames the static landmarks in view lie on one "
                                   "line of the image: if they do in space, a turn about it is not "
                                   "seen",
-                                  thin, kFrames)};
+                                  thin, *frames)};
   }
   return std::nullopt;
 }

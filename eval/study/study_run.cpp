@@ -177,6 +177,7 @@ Json result_json(const Study& study, std::uint64_t seed, const Sequence& sequenc
   Json json;
   json["diverged"] = json_of(run.diverged);
   json["lost_at"] = metrics.failed ? Json(*metrics.failed) : Json();
+  json["warnings"] = json_of(metrics.warnings);
   json["filtered"] = values_json(metrics.filtered.values, depends_on_the_seed);
   json["smoothed"] =
       metrics.smoothed ? values_json(metrics.smoothed->values, depends_on_the_seed) : Json();

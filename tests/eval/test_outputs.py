@@ -71,6 +71,20 @@ class Outputs(unittest.TestCase):
             (folder / name).write_text("mine", encoding="utf-8")
         return folder
 
+    def test_what_a_run_says_against_itself_is_on_terminal_in_metrics_and_on_the_page(self):
+        self.slammot("simulate", "circle", "--set", "frames=40", "--output", self.sequence)
+        too_large = ["--set", "pixel_sigma=8"]  # it is 1
+        run, page = self.folder / "run", self.folder / "page"
+        said = self.slammot("run", self.sequence, "--estimator", "ekf", *too_large, "--output", run)
+        warnings = json.loads((run / "metrics.json").read_text(encoding="utf-8"))["warnings"]
+        large = [w["reason"] for w in warnings if "three times too large" in w["reason"]]
+        self.assertEqual(len(large), 1)
+        for warning in warnings:
+            self.assertIn(f'slammot: warning: ekf, from frame {warning["frame"]}: {warning["reason"]}\n', said)
+        said = self.slammot("compare", self.sequence, *too_large, "--output", page)
+        self.assertEqual(said.count("three times too large"), 2)
+        self.assertIn(large[0], (page / "report.html").read_text(encoding="utf-8"))
+
     def test_an_input_is_never_written_over(self):
         sequence = self.simulated()
         for force in ([], ["--force"]):

@@ -297,6 +297,22 @@ class Page(WithStudy):
         self.assertEqual(summary.count('<td class="over">'), over)
         self.assertEqual(summary.count('rowspan="2"'), self.GROUPS)
 
+    def test_why_runs_warn(self):
+        """A gate that is half closed is one reason. What a run says is in its line, in the summary and on the page."""
+        runs = [json.loads(line) for line in self.expected.splitlines()]
+        warning = [run for run in runs if run["warnings"]]
+        cells = [cell for group in json.loads((self.whole / "summary.json").read_text())["groups"] for cell in group["cells"]]
+        self.assertEqual([seen["warnings"] for cell in cells for seen in cell["warnings"]], [run["warnings"] for run in warning])
+        self.assertEqual([cell["warned"]["value"] for cell in cells], [len(cell["warnings"]) / cell["runs"] for cell in cells])
+        half_closed = [run for run in warning if any("were rejected" in w["reason"] for w in run["warnings"])]
+        self.assertGreaterEqual(len(half_closed), 2)
+        self.assertLess(len(warning), len(runs))
+        text = (self.whole / "report.html").read_text(encoding="utf-8")
+        self.assertIn("runs warn; why is in the table Warnings", text)
+        table = (self.whole / "tables" / "warnings.csv").read_text(encoding="utf-8")
+        for run in warning:
+            self.assertIn(f'seed {run["seed"]}: from frame {run["warnings"][0]["frame"]}, {run["warnings"][0]["reason"]}', table)
+
     def test_ranking_needs_the_ideal_covariance(self):
         ranked = self.folder / "ranked.yaml"
         ranked.write_text(f"{STUDY}figures: [ranking]\n", encoding="utf-8")

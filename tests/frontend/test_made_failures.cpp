@@ -62,6 +62,14 @@ TEST(MadeFailures, LabelsCollapsed) {
   EXPECT_THAT(warnings_of(sequence, "true_labels"), says("fewer than 5 static landmarks"));
 }
 
+// By the classifier itself: where nothing can be at rest all that is undecided ends as moving.
+TEST(MadeFailures, LabelsCollapsedByTheClassifier) {
+  Configuration configuration;
+  assign(configuration, {"labels.first_frame", "unknown"});
+  assign(configuration, {"classifier.prior_odds", "0.000001"});
+  EXPECT_THAT(warnings_of(scene(), "ekf", configuration), says("static landmarks"));
+}
+
 TEST(MadeFailures, NothingStaticInView) {
   Sequence sequence = scene();
   for (std::size_t i = 15; i < sequence.frames.size(); ++i) {

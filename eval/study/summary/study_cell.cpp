@@ -41,6 +41,9 @@ void CellSummary::add(const Json& run) {
   }
   if (!run.contains("frames")) return;  // it never began
   if (!run.at("lost_at").is_null()) failed_.push_back({{"seed", seed}, {"frame", run["lost_at"]}});
+  if (const auto of_run = run.find("warnings"); of_run != run.end() && !of_run->empty()) {
+    warnings_.push_back({{"seed", seed}, {"warnings", *of_run}});
+  }
   const bool batch = is_batch(cell_.estimator);  // see RunResult
   const char* judged = batch ? "smoothed" : "filtered";
   const char* frames = batch ? "smoothed_frames" : "frames";
@@ -130,7 +133,8 @@ Json CellSummary::json() const {
                {"runs", runs_},
                {"aligned", aligned_},
                {"diverged", diverged_},
-               {"lost", failed_}};
+               {"lost", failed_},
+               {"warnings", warnings_}};
   json["configuration"] = Json::object();
   Configuration configuration = cell_.configuration;
   estimator.adjust(configuration);

@@ -41,6 +41,7 @@ class CellSummary {
   bool aligned_ = false;  // the truth is measured: compared by the error after alignment
   nlohmann::ordered_json diverged_ = nlohmann::ordered_json::array();
   nlohmann::ordered_json failed_ = nlohmann::ordered_json::array();
+  nlohmann::ordered_json warnings_ = nlohmann::ordered_json::array();  // of each run that warns
   std::map<std::uint64_t, double> position_rmse_, stated_sigma_, pose_nees_;
   std::map<std::uint64_t, std::pair<RunNees, nlohmann::ordered_json>> run_nees_;  // and its frame
   std::map<std::string, Scalar> scalars_;

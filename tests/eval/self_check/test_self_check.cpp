@@ -175,11 +175,35 @@ TEST(SelfCheck, RotationDisagrees) {
   EXPECT_THAT(warnings[0].reason, HasSubstr("5 of 20"));
 }
 
+RunResult first_frames_of(RunResult run, std::size_t frames) {
+  run.frames.resize(frames);
+  run.counts.resize(frames);
+  return run;
+}
+
 TEST(SelfCheck, ARunTooShortToJudgeIsNotJudged) {
-  RunResult run = run_of(FrameCounts{}, 0);
-  run.frames.resize(10);
-  run.counts.resize(10);
-  EXPECT_TRUE(self_check(run).empty());
+  EXPECT_TRUE(self_check(first_frames_of(run_of(FrameCounts{}, 0), 9)).empty());
+}
+
+// Ten to thirty frames are one sum.
+TEST(SelfCheck, AShortRunIsJudgedAsAWhole) {
+  const auto reason = [](const FrameCounts& bad, std::size_t frames) {
+    return only_reason(first_frames_of(run_of(bad, 0), frames));
+  };
+  EXPECT_TRUE(self_check(first_frames_of(run_of(kGood, 0), 10)).empty());
+  EXPECT_THAT(reason(FrameCounts{}, 10), HasSubstr("no measurement was used for 10 frames"));
+  FrameCounts bad = kGood;
+  bad.joint_nis = 120.0;
+  EXPECT_THAT(reason(bad, 10), HasSubstr("over 10 frames: the stated noise is too small"));
+  bad = kGood;
+  bad.rejected = 6;
+  EXPECT_THAT(reason(bad, 20), HasSubstr("20 frames were rejected"));
+  bad = kGood;
+  bad.accepted_static = 0;
+  EXPECT_THAT(reason(bad, 29), HasSubstr("static landmarks in view in 29 of 29 frames"));
+  RunResult line = first_frames_of(run_of(kGood, 0), 12);
+  line.ray_spread.assign(12, 1.0);
+  EXPECT_THAT(only_reason(line), HasSubstr("in 12 of 12 frames"));
 }
 
 // The first may be a pin, and one that is not stated is no reason.
