@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "datasets/native/native_tables.h"
 #include "datasets/readers/foreign_images.h"
 #include "datasets/text/text_table.h"
@@ -9,8 +11,23 @@
 namespace slammot {
 namespace {
 
+// The colour cameras as the data set's page calibrates them; freiburg3's images are undistorted.
+// Its rgb.txt names the sequence.
+constexpr std::pair<std::string_view, Camera> kTumCameras[] = {
+    {"freiburg1",
+     {640, 480, 517.3, 516.5, 318.6, 255.3,
+      RadtanLens{{0.2624, -0.9531, -0.0054, 0.0026, 1.1633}}}},
+    {"freiburg2",
+     {640, 480, 520.9, 521.0, 325.1, 249.7,
+      RadtanLens{{0.2312, -0.7849, -0.0033, -0.0001, 0.9172}}}},
+    {"freiburg3", {640, 480, 535.4, 539.2, 320.1, 247.6, PinholeLens{}}}};
 constexpr Camera kRosDefault{640, 480, 525.0, 525.0, 319.5, 239.5, PinholeLens{}};
-constexpr Camera kFreiburg3{640, 480, 535.4, 539.2, 320.1, 247.6, PinholeLens{}};
+
+Camera camera_of(std::string_view text) {
+  const auto named = std::ranges::find_if(
+      kTumCameras, [&](const auto& c) { return text.find(c.first) != std::string_view::npos; });
+  return named == std::end(kTumCameras) ? kRosDefault : named->second;
+}
 
 }  // namespace
 
@@ -22,7 +39,7 @@ Sequence read_tum_rgbd(const std::filesystem::path& folder) {
   Sequence sequence = foreign_sequence(folder);
   const std::filesystem::path file = folder / "rgb.txt";
   const std::string text = read_text_file(file);
-  sequence.camera = text.find("freiburg3") != std::string::npos ? kFreiburg3 : kRosDefault;
+  sequence.camera = camera_of(text);
   TextTable table(file, text);
   while (table.next_blank_row(2)) {
     add_image(table, table.real(0), std::string(table.field(1)), sequence);

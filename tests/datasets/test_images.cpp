@@ -1,4 +1,5 @@
 // Foreign image layouts: what is listed, the truth in our conventions, and what is refused.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -66,6 +67,20 @@ TEST_F(Layout, TumRgbdByItsHead) {
   ASSERT_TRUE(sequence.truth[0] && sequence.truth[1]);
   EXPECT_NEAR(sequence.truth[0]->position.x(), 1.0, 1e-9);  // halfway between its neighbours
   EXPECT_EQ(sequence.truth[1]->position.x(), 3.0);
+}
+
+TEST_F(Layout, TumRgbdsThreeCameras) {
+  const auto camera_of = [&](const char* name) {
+    put("rgb.txt", fmt::format("# color images\n# file: '{}.bag'\n10.0 rgb/a.png\n", name));
+    return read().camera;
+  };
+  const Camera first = camera_of("rgbd_dataset_freiburg1_rpy");
+  EXPECT_EQ(first.fx, 517.3);
+  ASSERT_EQ(lens_name(first.lens), "radtan");
+  EXPECT_EQ(std::get<RadtanLens>(first.lens).coefficients[4], 1.1633);
+  EXPECT_EQ(camera_of("rgbd_dataset_freiburg2_desk").fy, 521.0);
+  EXPECT_EQ(lens_name(camera_of("rgbd_dataset_freiburg3_x").lens), "pinhole");
+  EXPECT_EQ(camera_of("somebody_elses").fx, 525.0);
 }
 
 TEST_F(Layout, EurocCarriesTheBodyToTheCamera) {
