@@ -5,6 +5,7 @@
 #include <future>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include "frontend/rendering/render.h"
 #include "frontend/tracking/track_images.h"
@@ -15,13 +16,27 @@ namespace {
 struct Options {
   RoomOptions room;
   int noise_by_alignment = 0;
+  int scale_only = 0;
 };
 
 Parameters parameters(Options& o) {
-  return joined(parameters(o.room),
-                {{"noise_by_alignment",
-                  "1: each measurement has its own sigma, as in track --noise alignment",
-                  &o.noise_by_alignment, 0}});
+  return joined(
+      parameters(o.room),
+      {{"noise_by_alignment",
+        "1: each measurement has its own sigma, as in track --noise alignment",
+        &o.noise_by_alignment, 0},
+       {"scale_only", "1: nothing is stated of motion and depths, as of a recording with a board",
+        &o.scale_only, 0}});
+}
+
+// Left are the first pose and four points. What the maker states knows the true motion and depths.
+void state_scale_only(Sequence& sequence) {
+  InitialCamera initial;
+  initial.state.position = sequence.initial->state.position;
+  initial.state.orientation = sequence.initial->state.orientation;
+  sequence.initial = initial;
+  sequence.motion.reset();
+  sequence.prior.reset();
 }
 
 Sequence rendered(const Options& options, std::uint64_t seed) {
@@ -93,7 +108,10 @@ Sequence simulate_scene(std::string_view name, const ScenarioOverrides& override
   static LatestSequences latest;
   Options options{defaults()};
   apply(overrides, name, parameters(options));
-  return latest.get(options, seed);
+  const bool scale_only = std::exchange(options.scale_only, 0) != 0;  // of the same images
+  Sequence sequence = latest.get(options, seed);
+  if (scale_only) state_scale_only(sequence);
+  return sequence;
 }
 
 template <RoomOptions defaults()>
