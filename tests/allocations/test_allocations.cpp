@@ -1,9 +1,11 @@
 // A filter or window that has warmed up asks for no memory: its matrices and lists keep what they
 // had. Only a birth does, for the landmark itself.
 //
-// Counts what reaches malloc, from Eigen and the standard library alike; so this is a program of
-// its own, and without a test under a sanitizer, which has its own malloc.
+// Counts what reaches malloc and its relatives, from Eigen and the standard library alike; so this
+// is a program of its own, and without a test under a sanitizer, which has its own malloc.
 #include <gtest/gtest.h>
+
+#include <cerrno>
 
 #include "eval/run/process.h"
 #include "filters/ekf.h"
@@ -19,9 +21,30 @@ thread_local long allocations = 0;
 }  // namespace
 
 extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* __libc_calloc(std::size_t count, std::size_t size);
+extern "C" void* __libc_realloc(void* memory, std::size_t size);
+extern "C" void* __libc_memalign(std::size_t alignment, std::size_t size);
+
 extern "C" void* malloc(std::size_t size) {
   ++allocations;
   return __libc_malloc(size);
+}
+extern "C" void* calloc(std::size_t count, std::size_t size) {
+  ++allocations;
+  return __libc_calloc(count, size);
+}
+extern "C" void* realloc(void* memory, std::size_t size) {
+  ++allocations;
+  return __libc_realloc(memory, size);
+}
+extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  ++allocations;
+  return __libc_memalign(alignment, size);
+}
+extern "C" int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+  ++allocations;
+  *memory = __libc_memalign(alignment, size);
+  return *memory == nullptr ? ENOMEM : 0;
 }
 
 namespace slammot {
