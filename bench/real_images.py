@@ -39,9 +39,9 @@ def claim(output, program):
     digest = hashlib.sha256(pathlib.Path(program).read_bytes()).hexdigest() + "\n"
     file = output / "program.sha256"
     output.mkdir(parents=True, exist_ok=True)
-    if not file.exists():
+    if not any(output.iterdir()):
         file.write_text(digest, encoding="utf-8")
-    elif file.read_text(encoding="utf-8") != digest:
+    if not file.exists() or file.read_text(encoding="utf-8") != digest:
         sys.exit(f"{output}: holds runs of another build of the program")
 
 

@@ -30,6 +30,7 @@ void fill_P_d(const JointState& state, Innovation& z) {
     const StateBlock a = z.places[static_cast<std::size_t>(i)];
     const Eigen::Matrix3d P_ar = P.block(a, r);
     for (Index j = 0; j < count; ++j) {
+      if (i != j && !z.has_common_second_order) continue;
       const StateBlock b = z.places[static_cast<std::size_t>(j)];
       P_d.block<3, 3>(3 * i, 3 * j) = P.block(a, b) - P_ar - P.block(r, b) + P_r;
     }
@@ -48,7 +49,7 @@ Eigen::Vector3d moment(const Innovation& z, std::size_t i, std::size_t j) {
 void fill_P_rho(const JointState& state, const Linearisation& linearisation, Innovation& z) {
   const JointCovariance& P = state.covariance;
   z.has_common_second_order = linearisation.has_common_second_order();
-  z.J_rho.assign(z.matches.size(), Eigen::RowVector3d::Zero());
+  z.products.assign(z.matches.size(), {});
   z.P_rho.resize(P.size(), linearisation.has_second_order() ? std::ssize(z.matches) : 0);
   if (!linearisation.has_second_order()) return;
   z.columns.resize(P.size(), 3);
@@ -58,9 +59,10 @@ void fill_P_rho(const JointState& state, const Linearisation& linearisation, Inn
     const auto column = static_cast<Index>(i);
     P_rho.col(column).setZero();
     if (landmark.is_free()) continue;
-    z.J_rho[i] = linearisation.point().inverse_depth_jacobian(landmark.y);
+    z.products[i] = {linearisation.point().inverse_depth_jacobian(landmark.y),
+                     z.predicted[i].J_world};
     P.columns(landmark.y_block, *z.columns);
-    P_rho.col(column).noalias() = *z.columns * z.J_rho[i].transpose();
+    P_rho.col(column).noalias() = *z.columns * z.products[i].rho.transpose();
   }
 }
 
@@ -71,16 +73,16 @@ void add_second_order(const JointState& state, Innovation& z, GrowingMatrix& res
   auto S = *result;
   ProductMoments m;
   for (std::size_t i = 0; i < z.matches.size(); ++i) {
-    if (z.J_rho[i].isZero(0.0)) continue;
+    if (z.products[i].rho.isZero(0.0)) continue;
     const int y = state.landmarks.at(z.matches[i].track).y_block.offset;
     for (std::size_t j = z.has_common_second_order ? 0 : i; j <= i; ++j) {
-      if (z.J_rho[j].isZero(0.0)) continue;
-      m.e_e = z.J_rho[i].dot((*z.P_rho).col(static_cast<Index>(j)).segment<3>(y));
+      if (z.products[j].rho.isZero(0.0)) continue;
+      m.e_e = z.products[i].rho.dot((*z.P_rho).col(static_cast<Index>(j)).segment<3>(y));
       m.d_d = P_d.block<3, 3>(3 * z.place_of[i], 3 * z.place_of[j]);
       m.d_e = moment(z, i, j);
       m.e_d = moment(z, j, i);
       S.block<2, 2>(static_cast<Index>(2 * i), static_cast<Index>(2 * j)) +=
-          second_order_noise(z.predicted[i], z.predicted[j], m);
+          second_order_noise(z.products[i].pixel, z.products[j].pixel, m);
     }
   }
 }

@@ -204,7 +204,7 @@ void keep(std::span<const Observation> accepted, Innovation& z) {
       z.matches[kept] = z.matches[i];
       z.predicted[kept] = z.predicted[i];
       z.nu[kept] = z.nu[i];
-      z.J_rho[kept] = z.J_rho[i];
+      z.products[kept] = z.products[i];
       if (P_rho.cols() > 0) P_rho.col(static_cast<Index>(kept)) = P_rho.col(static_cast<Index>(i));
       P_Ht.middleCols<2>(static_cast<Index>(2 * kept)) =
           P_Ht.middleCols<2>(static_cast<Index>(2 * i));
@@ -214,7 +214,7 @@ void keep(std::span<const Observation> accepted, Innovation& z) {
   z.matches.resize(kept);
   z.predicted.resize(kept);
   z.nu.resize(kept);
-  z.J_rho.resize(kept);
+  z.products.resize(kept);
   z.P_Ht.keep_columns(z.rows());
   if (P_rho.cols() > 0) z.P_rho.keep_columns(static_cast<Index>(kept));
 }

@@ -9,16 +9,23 @@
 
 namespace slammot {
 
+// Of a measurement whose product of depth and translation N states (second_order.h), at the prior;
+// zero where it states none.
+struct ProductJacobians {
+  Eigen::RowVector3d rho = Eigen::RowVector3d::Zero();  // of y
+  Matrix23d pixel = Matrix23d::Zero();                  // of the ray (W)
+};
+
 // The measurements of a frame linearised at the state: innovation nu = z - h(x), H as its thin
-// product P H' (n x 2m), N of second order. Two rows (columns) a match, in the order of the
-// matches. Kept from frame to frame for its memory.
+// product P H' (n x 2m), and what N of second order is made of. Two rows (columns) a match, in the
+// order of the matches. Kept from frame to frame for its memory.
 struct Innovation {
   std::vector<Observation> matches;  // of landmarks in the state
   std::vector<ObservedPixel> predicted;
   std::vector<Eigen::Vector2d> nu;
-  std::vector<Eigen::RowVector3d> J_rho;  // of y; zero where no N is stated (second_order.h)
+  std::vector<ProductJacobians> products;
   GrowingMatrix P_Ht;
-  GrowingMatrix P_rho;  // P J_rho', n x m; no columns where N is not stated at all
+  GrowingMatrix P_rho;  // P J_rho', n x m; no columns where no N is stated at all
   bool has_common_second_order = false;
 
   Eigen::Index rows() const { return 2 * std::ssize(matches); }

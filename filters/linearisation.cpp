@@ -12,7 +12,6 @@ Linearisation::Linearisation(const EkfOptions& options, const LandmarkFunctions&
                              std::shared_ptr<const Truth> truth, bool any_known)
     : kind_(options.linearisation),
       second_order_(options.second_order),
-      any_known_(any_known),
       functions_(landmark),
       truth_(std::move(truth)) {
   if (kind_ == Kind::kIdeal && !truth_) {
@@ -91,6 +90,7 @@ NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
 
 NewKnownLandmark Linearisation::known_birth(const JointState& state, const KnownLandmark& known,
                                             int frame, const NewKnownLandmark& here) {
+  has_known_ = true;
   if (at_estimate()) return here;
   if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(*truth_, frame);
   const Eigen::Vector3d anchor = anchors_.try_emplace(frame, camera(state).position).first->second;

@@ -49,8 +49,9 @@ class Linearisation {
   bool movers_may_move_alone() const { return kind_ == Kind::kStandard || kind_ == Kind::kFej; }
 
   bool has_second_order() const { return second_order_ && !at_truth(); }
-  // Whether N has blocks beside its diagonal (second_order.h).
-  bool has_common_second_order() const { return has_second_order() && any_known_; }
+  // Whether N has blocks beside its diagonal: once a known landmark has been measured
+  // (second_order.h).
+  bool has_common_second_order() const { return has_second_order() && has_known_; }
 
   const PointFunctions& point() const { return functions_.point; }
   CameraState camera(const JointState& state) const;
@@ -92,7 +93,8 @@ class Linearisation {
   void forget_what_left(const JointState& state);
 
   Kind kind_;
-  bool second_order_, any_known_;
+  bool second_order_;
+  bool has_known_ = false;  // a known landmark was born
   const LandmarkFunctions& functions_;
   std::shared_ptr<const Truth> truth_;
   std::optional<ScaleError> scale_;

@@ -2,9 +2,9 @@
 
 namespace slammot {
 
-Eigen::Matrix2d second_order_noise(const ObservedPixel& h_i, const ObservedPixel& h_j,
+Eigen::Matrix2d second_order_noise(const Matrix23d& J_i, const Matrix23d& J_j,
                                    const ProductMoments& m) {
-  return h_i.J_world * (m.e_e * m.d_d + m.d_e * m.e_d.transpose()) * h_j.J_world.transpose();
+  return J_i * (m.e_e * m.d_d + m.d_e * m.e_d.transpose()) * J_j.transpose();
 }
 
 Eigen::Matrix2d second_order_noise(const PointFunctions& point, const Eigen::Vector3d& y,
@@ -15,7 +15,7 @@ Eigen::Matrix2d second_order_noise(const PointFunctions& point, const Eigen::Vec
   moments.e_e = (J_rho * block(2, 2)).dot(J_rho);
   moments.d_d = block(1, 1) - block(1, 0) - block(0, 1) + block(0, 0);
   moments.d_e = moments.e_d = (block(1, 2) - block(0, 2)) * J_rho.transpose();
-  return second_order_noise(h, h, moments);
+  return second_order_noise(h.J_world, h.J_world, moments);
 }
 
 }  // namespace slammot

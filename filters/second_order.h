@@ -14,9 +14,10 @@
 //     Cov(e_i d_i, e_j d_j) = E[e_i e_j] E[d_i d_j'] + E[d_i e_j] E[e_i d_j']
 //
 // Without them many landmarks seem to know a translation that known ones contradict, and these are
-// rejected. They are stated only where landmarks are known. Elsewhere the mean depth has a sigma of
-// 1 1/m at first, which is not that of any scene: nothing of the translation would be learnt from
-// the first frames (docs/consistency-negative.md).
+// rejected. They are stated once a known landmark has been measured. Where none is, and nothing is
+// stated of depths, their mean has a sigma of 1 1/m at first, which is not that of any scene:
+// nothing of the translation would be learnt from the first frames
+// (docs/consistency-negative.md).
 //
 // Of static landmarks only: the motion of a free one explains its parallax whatever rho is. The
 // mean of the product, c, is left out. Figures: docs/recordings.md.
@@ -36,8 +37,8 @@ struct ProductMoments {
   Eigen::Vector3d d_e, e_d;  // of d_i and e_j, of e_i and d_j
 };
 
-// N_ij [px^2] of static landmarks i and j that are expected at h_i and h_j.
-Eigen::Matrix2d second_order_noise(const ObservedPixel& h_i, const ObservedPixel& h_j,
+// N_ij [px^2] of static landmarks i and j, with their J.
+Eigen::Matrix2d second_order_noise(const Matrix23d& J_i, const Matrix23d& J_j,
                                    const ProductMoments& moments);
 
 // N [px^2] of a static landmark at y that is expected at h.

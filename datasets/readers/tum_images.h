@@ -1,9 +1,9 @@
 // TUM RGB-D: `rgb.txt` (timestamp, file) and `groundtruth.txt` (timestamp tx ty tz qx qy qz qw).
 //
 // Its poses are of the colour camera's optical frame, as ours. No calibration lies in the folder: a
-// sequence that names freiburg3 in its head is rectified with its own calibration; for the others
-// the benchmark's authors recommend 525 px without undistortion, which is taken. `track --camera`
-// overrides both.
+// sequence that names freiburg1, 2 or 3 in its head has the colour camera that the benchmark's page
+// gives for it, with its lens. For others the page's default is taken, 525 px without a lens, which
+// it recommends for depth images. `track --camera` overrides all.
 #pragma once
 
 #include "datasets/sequence/sequence.h"

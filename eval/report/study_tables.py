@@ -26,7 +26,8 @@ class Table:
         return text.getvalue()
 
     def latex(self):
-        return booktabs("l" * 2 + "r" * (len(self.head) - 2), list(map(escaped, self.head)), [list(map(escaped, row)) for row in self.rows])
+        numbers = "".join("p{9cm}" if any(len(row[i]) > 80 for row in self.rows) else "r" for i in range(2, len(self.head)))
+        return booktabs("l" * 2 + numbers, list(map(escaped, self.head)), [list(map(escaped, row)) for row in self.rows])
 
     def spans(self):
         """For each row, over how many rows its first cell reaches; 0 below the first of equal ones."""
@@ -170,7 +171,7 @@ def summary_table(summary):
         f"{failure_bound(False)} (where the truth is measured: {failure_bound(True)}), has diverged when its state is no longer finite, and warns where its own numbers "
         "speak against it, without any truth. RMSE is over the runs that did not diverge; of a batch, values are smoothed ones. RMSE over ideal sigma: ratio to the standard deviation of the ideal covariance, that of an EKF "
         "linearised at the truth, with known labels, the fixed depth prior and no gate; its row gives it. It is no bound. Joint NIS: of all accepted measurements of "
-        "a frame together, a measurement; 2 is right. Other numbers: table Metrics.",
+        "a frame together, a measurement; 2 is right with an open gate. Other numbers: table Metrics.",
         ["scenario", "estimator"] + order, rows, classes)
 
 
@@ -190,7 +191,7 @@ def warnings_table(summary):
     for group, cell in estimators_of(summary):
         runs = cell.get("warnings") or []
         if runs:
-            more = f" and {len(runs) - NAMED} more" if len(runs) > NAMED else ""
+            more = f". And {len(runs) - NAMED} more runs" if len(runs) > NAMED else ""
             rows.append([group["name"], cell["label"], str(cell["runs"]), str(len(runs)), ". ".join(map(warning_text, runs[:NAMED])) + more])
     return Table(
         "Warnings", f"What runs say against themselves, without any truth; of each estimator the first {NAMED} runs that warn. results.jsonl has all.",

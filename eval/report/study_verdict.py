@@ -33,7 +33,7 @@ def warned(summary):
         cells = [cell for _, cell in cells_called(summary, label)]
         warning = sum(len(cell.get("warnings") or []) for cell in cells)
         if warning:
-            sentences.append(f"{label}: {warning} of {sum(c['runs'] for c in cells)} runs warn; why is in the table Warnings.")
+            sentences.append(f"{label}: {warning} of {sum(c['runs'] for c in cells)} runs warn, those that diverged aside; why is in the table Warnings.")
     return [("Warned", sentences)] if sentences else []
 
 

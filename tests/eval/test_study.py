@@ -308,7 +308,7 @@ class Page(WithStudy):
         self.assertGreaterEqual(len(half_closed), 2)
         self.assertLess(len(warning), len(runs))
         text = (self.whole / "report.html").read_text(encoding="utf-8")
-        self.assertIn("runs warn; why is in the table Warnings", text)
+        self.assertIn("runs warn, those that diverged aside; why is in the table Warnings", text)
         table = (self.whole / "tables" / "warnings.csv").read_text(encoding="utf-8")
         for run in warning:
             self.assertIn(f'seed {run["seed"]}: from frame {run["warnings"][0]["frame"]}, {run["warnings"][0]["reason"]}', table)

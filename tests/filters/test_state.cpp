@@ -107,7 +107,7 @@ TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
   fill_HPHt(state, z, HPHt);
   for (int i = 0; i < 4; ++i) {
     const bool is_static = i < 3;
-    EXPECT_EQ(z.J_rho[static_cast<std::size_t>(i)].norm() > 0.0, is_static);
+    EXPECT_EQ(z.products[static_cast<std::size_t>(i)].rho.norm() > 0.0, is_static);
     const Eigen::Matrix2d S = (*HPHt).block<2, 2>(2 * i, 2 * i).selfadjointView<Eigen::Lower>();
     const auto shown = predict_pixel(state, second, pinhole(), i);
     const auto without = predict_pixel(state, standard, pinhole(), i);
@@ -117,43 +117,70 @@ TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
   }
 }
 
-// Where landmarks are known: all blocks, and after some matches were let go.
-TEST(SecondOrder, IsInTheJointCovarianceOfAllPixels) {
-  const LandmarkFunctions& model = find_landmark("scaled_velocity", "inverse_depth");
-  const Linearisation second({.equivariant_scale = false}, model, nullptr, /*any_known=*/true);
-  JointState state = scene(2);
-  state.camera.velocity = {1.0, 0.0, 0.2};  // at rest no depth is measured
-  step(state, standard, pixels_of(state, standard.point(), 1));
-  Innovation z;
-  linearise(state, second, pinhole(), pixels_of(state, standard.point(), 2), z);
-  const std::vector<Observation> kept = {z.matches[0], z.matches[2], z.matches[3]};
-  keep(kept, z);
-  GrowingMatrix HPHt;
-  fill_HPHt(state, z, HPHt);
-  const Eigen::MatrixXd P = state.covariance.dense(), H = dense_H(state, z);
-  Eigen::MatrixXd expected = H * P * H.transpose();
-  const auto errors_of = [&](std::size_t i) {  // rows that take e and d from the state's error
+// A camera that has moved, two anchors that are not known alike, a free landmark; the first of the
+// matches has been let go.
+struct SecondOrderScene {
+  explicit SecondOrderScene(bool has_known)
+      : linearisation({.equivariant_scale = false}, model, nullptr) {
+    Linearisation first({.equivariant_scale = false, .second_order = false}, model, nullptr);
+    if (has_known) linearisation.known_birth(state, {9, {0, 0, 5}, 0.001}, 0, {});
+    state.camera.velocity = {1.0, 0.0, 0.2};  // at rest no depth is measured
+    state.covariance.propagate({state.anchors.at(1).block}, Eigen::Matrix3d::Identity(),
+                               1e-3 * Eigen::Matrix3d::Identity());
+    state.free_motion(2, MotionVector::Constant(3, 0.5));
+    step(state, first, pixels_of(state, model.point, 1));
+    linearise(state, linearisation, pinhole(), pixels_of(state, model.point, 2), z);
+    const std::vector<Observation> kept(z.matches.begin() + 1, z.matches.end());
+    keep(kept, z);
+    fill_HPHt(state, z, result);
+  }
+
+  // Of the state's error: e, and d below it.
+  Eigen::MatrixXd errors_of(std::size_t i) const {
     const FilterLandmark& l = state.landmarks.at(z.matches[i].track);
-    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(4, P.rows());
+    Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(4, state.covariance.size());
     rows.block<1, 3>(0, l.y_block.offset) = model.point.inverse_depth_jacobian(l.y);
     rows.block<3, 3>(1, state.anchors.at(l.anchor).block.offset).setIdentity();
     rows.block<3, 3>(1, kPosition) -= Eigen::Matrix3d::Identity();
     return rows;
-  };
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      const Eigen::Matrix4d both = errors_of(i) * P * errors_of(j).transpose();
-      const ProductMoments moments{both(0, 0), both.bottomRightCorner<3, 3>(),
-                                   both.bottomLeftCorner<3, 1>(),
-                                   both.topRightCorner<1, 3>().transpose()};
-      const Eigen::Matrix2d N = second_order_noise(z.predicted[i], z.predicted[j], moments);
-      EXPECT_GT(N.norm(), 0.0);
-      expected.block<2, 2>(static_cast<Eigen::Index>(2 * i), static_cast<Eigen::Index>(2 * j)) += N;
-    }
   }
-  const Eigen::MatrixXd all = (*HPHt).selfadjointView<Eigen::Lower>();
-  EXPECT_LT((all - expected).norm(), 1e-12 * expected.norm());
-  EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(expected).info(), Eigen::Success);
+
+  Eigen::Matrix2d N(std::size_t i, std::size_t j) const {
+    const Eigen::MatrixXd P = state.covariance.dense();
+    const Eigen::Matrix4d both = errors_of(i) * P * errors_of(j).transpose();
+    const ProductMoments moments{both(0, 0), both.bottomRightCorner<3, 3>(),
+                                 both.bottomLeftCorner<3, 1>(),
+                                 both.topRightCorner<1, 3>().transpose()};
+    return second_order_noise(z.predicted[i].J_world, z.predicted[j].J_world, moments);
+  }
+
+  const LandmarkFunctions& model = find_landmark("scaled_velocity", "log_inverse_depth");
+  Linearisation linearisation;
+  JointState state = scene(2);
+  Innovation z;
+  GrowingMatrix result;
+};
+
+TEST(SecondOrder, IsInTheJointCovarianceOfAllPixels) {
+  for (const bool has_known : {true, false}) {
+    SCOPED_TRACE(has_known);
+    const SecondOrderScene scene(has_known);
+    const Eigen::MatrixXd H = dense_H(scene.state, scene.z);
+    Eigen::MatrixXd expected = H * scene.state.covariance.dense() * H.transpose();
+    ASSERT_EQ(scene.z.matches.size(), 3u);
+    for (const std::size_t i : {0u, 2u}) {  // the other one is free
+      for (const std::size_t j : {0u, 2u}) {
+        if (i != j && !has_known) continue;
+        const Eigen::Matrix2d N = scene.N(i, j);
+        EXPECT_GT(N.norm(), 0.0);
+        expected.block<2, 2>(static_cast<Eigen::Index>(2 * i), static_cast<Eigen::Index>(2 * j)) +=
+            N;
+      }
+    }
+    const Eigen::MatrixXd all = (*scene.result).selfadjointView<Eigen::Lower>();
+    EXPECT_LT((all - expected).norm(), 1e-12 * expected.norm());
+    EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(expected).info(), Eigen::Success);
+  }
 }
 
 TEST(Keep, LeavesTheInnovationOfWhatWasAccepted) {
