@@ -182,8 +182,11 @@ NAMED = 3  # runs
 
 
 def warning_text(run):
-    return f'seed {run["seed"]}: ' + "; ".join(
-        ("" if w["frame"] is None else f'from frame {w["frame"]}, ') + w["reason"] for w in run["warnings"])
+    """The first reason, and how many more there are."""
+    first, *others = run["warnings"]
+    began = "" if first["frame"] is None else f'from frame {first["frame"]}, '
+    more = f" (and {len(others)} more)" if others else ""
+    return f'seed {run["seed"]}: {began}{first["reason"]}{more}'
 
 
 def warnings_table(summary):
@@ -194,7 +197,7 @@ def warnings_table(summary):
             more = f". And {len(runs) - NAMED} more runs" if len(runs) > NAMED else ""
             rows.append([group["name"], cell["label"], str(cell["runs"]), str(len(runs)), ". ".join(map(warning_text, runs[:NAMED])) + more])
     return Table(
-        "Warnings", f"What runs say against themselves, without any truth; of each estimator the first {NAMED} runs that warn. results.jsonl has all.",
+        "Warnings", f"What runs say against themselves, without any truth; of each estimator the first {NAMED} runs that warn, with the first reason. results.jsonl has all.",
         ["scenario", "estimator", "runs", "that warn", "why"], rows)
 
 
