@@ -201,7 +201,8 @@ class Strangers(WithStudy):
         lines = journal.read_text(encoding="utf-8").splitlines(keepends=True)
         run = json.loads(lines[1])
         bad = [{**run, "result": {"cell": 0, "seed": 1}}, {**run, "result": {**run["result"], "diverged": 3}},
-               {**run, "result": {**run["result"], "static": [1]}}, {**run, "result": {**run["result"], "lost_at": []}, "timing": {"cell": 0, "seed": 1}}]
+               {**run, "result": {**run["result"], "static": [1]}}, {**run, "result": {**run["result"], "warnings": [{"frame": -1, "reason": "x"}]}},
+               {**run, "result": {**run["result"], "lost_at": []}, "timing": {"cell": 0, "seed": 1}}]
         deep = lines[1].rstrip()[:-1] + ',"x":' + 300_000 * "[" + 300_000 * "]" + "}\n"
         for line in [json.dumps(content) + "\n" for content in bad] + [deep]:
             journal.write_text("".join([lines[0], line, *lines[2:]]), encoding="utf-8")

@@ -41,8 +41,9 @@ void CellSummary::add(const Json& run) {
   }
   if (!run.contains("frames")) return;  // it never began
   if (!run.at("lost_at").is_null()) failed_.push_back({{"seed", seed}, {"frame", run["lost_at"]}});
-  if (const auto of_run = run.find("warnings"); of_run != run.end() && !of_run->empty()) {
-    warnings_.push_back({{"seed", seed}, {"warnings", *of_run}});
+  const std::vector<RunWarning> warnings = warnings_of(run.value("warnings", Json::array()));
+  if (!warnings.empty()) {
+    warnings_.push_back({{"seed", seed}, {"warnings", json_of(warnings)}});
   }
   const bool batch = is_batch(cell_.estimator);  // see RunResult
   const char* judged = batch ? "smoothed" : "filtered";
