@@ -18,6 +18,13 @@ class GrowingMatrix {
     if (storage_.size() < size) storage_.resize(size + size / 2);
   }
 
+  // Values are kept, new ones not set.
+  void add_columns(Eigen::Index count) {
+    cols_ += count;
+    const auto size = static_cast<std::size_t>(rows_ * cols_);
+    if (storage_.size() < size) storage_.resize(size + size / 2);
+  }
+
   Eigen::Map<Eigen::MatrixXd> operator*() { return {storage_.data(), rows_, cols_}; }
   Eigen::Map<const Eigen::MatrixXd> operator*() const { return {storage_.data(), rows_, cols_}; }
   Eigen::Index cols() const { return cols_; }

@@ -65,25 +65,31 @@ void NormalEquations::inactive_covariance(const Graph& graph, const GraphLandmar
 }
 
 // L^-1 E of every column that is asked for, where E = d(anchor or newest state)' / d(core). A
-// column is zero above its first row, so that columns are sorted by it and solved for a few at a
-// time.
+// column is zero above its first row, so that new ones are sorted by it and solved for a few at a
+// time. All are kept until the next factorisation: an anchor is solved for once, and what pixels
+// share is read from them (project).
 void NormalEquations::prepare(const Graph& graph, std::span<const LandmarkId> landmarks) {
   compute_camera();
   asked_.clear();
-  pieces_.clear();
+  const std::size_t first = pieces_.size();
   for (const LandmarkId id : landmarks) {
     if (!joints_[static_cast<std::size_t>(id)].known) ask(graph, id);
   }
   if (asked_.empty()) return;
-  const Eigen::Index total = place_pieces();
-  columns_.resize(core_dim_, total);
-  (*columns_).setZero();
-  for (const Asked& asked : asked_) fill_columns(graph, asked);
+  const Eigen::Index begin = columns_.cols();
+  place_pieces(first);
+  const Eigen::Index total = columns_.cols() - begin;
+  (*columns_).rightCols(total).setZero();
+  for (const Piece* p : sorted_) {
+    if (p->anchor >= 0) columns_of(graph, p->anchor, (*columns_).middleCols(p->column, p->dim));
+  }
+  for (const LandmarkId id : asked_) fill_columns(graph, id);
   solve_pieces();
   const Eigen::Index newest = core_dim_ - newest_core_;
-  cross_.resize(total, kCameraDim);
-  (*cross_).noalias() = (*columns_).bottomRows(newest).transpose() * *camera_columns_;
-  for (const Asked& asked : asked_) fill_joint(asked);
+  cross_.add_columns(total);
+  (*cross_).rightCols(total).noalias() =
+      (*camera_columns_).transpose() * (*columns_).bottomRightCorner(newest, total);
+  for (const LandmarkId id : asked_) fill_joint(id);
 }
 
 void NormalEquations::ask(const Graph& graph, LandmarkId id) {
@@ -91,13 +97,10 @@ void NormalEquations::ask(const Graph& graph, LandmarkId id) {
   const auto first_row = [&](VariableId v) {
     return graph.variables[v].is_active ? graph.variables[v].core : rates_dim_;
   };
-  Asked asked{id, 0, static_cast<int>(pieces_.size())};
+  Joint& joint = joints_[static_cast<std::size_t>(id)];
   const auto same = std::ranges::find(pieces_, l.anchor, &Piece::anchor);
-  asked.anchor = static_cast<int>(same - pieces_.begin());
-  if (same == pieces_.end()) {
-    pieces_.push_back({l.anchor, first_row(l.anchor), 3, 0});
-    ++asked.state;
-  }
+  joint.anchor = static_cast<int>(same - pieces_.begin());
+  if (same == pieces_.end()) pieces_.push_back({l.anchor, first_row(l.anchor), 3, 0});
   int first = first_row(l.y);
   if (graph.variables[l.y].is_active) {
     const LandmarkBlock& block = blocks_[static_cast<std::size_t>(id)];
@@ -107,22 +110,21 @@ void NormalEquations::ask(const Graph& graph, LandmarkId id) {
       first = std::min(first, first_row(l.w));
     }
   }
+  joint.state = static_cast<int>(pieces_.size());
   pieces_.push_back({-1, first, state_dim(graph, id), 0});
-  asked_.push_back(asked);
-  joints_[static_cast<std::size_t>(id)].known = true;
+  joint.known = true;
+  asked_.push_back(id);
 }
 
-// Side by side, those that begin in higher rows first.
-Eigen::Index NormalEquations::place_pieces() {
+// From the `first` piece on, side by side, those that begin in higher rows first.
+void NormalEquations::place_pieces(std::size_t first) {
   sorted_.clear();
-  for (Piece& piece : pieces_) sorted_.push_back(&piece);
+  for (std::size_t i = first; i < pieces_.size(); ++i) sorted_.push_back(&pieces_[i]);
   std::ranges::sort(sorted_, {}, [](const Piece* p) { return std::pair(p->first, p); });
-  Eigen::Index total = 0;
   for (Piece* piece : sorted_) {
-    piece->column = total;
-    total += piece->dim;
+    piece->column = columns_.cols();
+    columns_.add_columns(piece->dim);
   }
-  return total;
 }
 
 void NormalEquations::solve_pieces() {
@@ -151,50 +153,44 @@ void NormalEquations::state_columns(const Graph& graph, LandmarkId id,
   rotation = (turn_.transpose() * rotation).eval();
 }
 
-// Of the anchor and the newest state; and what the core does not say of them.
-void NormalEquations::fill_columns(const Graph& graph, const Asked& asked) {
-  Joint& joint = joints_[static_cast<std::size_t>(asked.id)];
-  const GraphLandmark& l = graph[asked.id];
-  const Piece &anchor = piece(asked.anchor), &state = piece(asked.state);
+// Of the newest state; and what the core does not say of it and of the anchor.
+void NormalEquations::fill_columns(const Graph& graph, LandmarkId id) {
+  Joint& joint = joints_[static_cast<std::size_t>(id)];
+  const Piece& state = piece(joint.state);
   const int dim = state.dim;
   joint.covariance.setZero(kCameraDim + 3 + dim, kCameraDim + 3 + dim);
-  auto of_anchor = (*columns_).middleCols(anchor.column, 3);
-  of_anchor.setZero();  // another landmark's, too
-  columns_of(graph, l.anchor, of_anchor);
-  auto of_state = (*columns_).middleCols(state.column, dim);
   LandmarkMatrix own = LandmarkMatrix::Zero(dim, dim);
-  state_columns(graph, asked.id, of_state, own);
+  state_columns(graph, id, (*columns_).middleCols(state.column, dim), own);
   joint.covariance.bottomRightCorner(dim, dim) = own;
-  inactive_covariance(graph, l, joint.covariance);
+  inactive_covariance(graph, graph[id], joint.covariance);
 }
 
-void NormalEquations::project(const Graph& graph, LandmarkId id,
-                              const Eigen::Ref<const Eigen::MatrixXd>& H,
+void NormalEquations::project(LandmarkId id, const Eigen::Ref<const Eigen::MatrixXd>& H,
                               Eigen::Ref<Eigen::MatrixXd> C) const {
-  C.setZero();
-  C.middleRows<3>(camera_core_[0]) = H.middleCols<3>(kPosition).transpose();
-  C.middleRows<3>(camera_core_[1]) =
-      turn_.transpose().lazyProduct(H.middleCols<3>(kRotation).transpose());
-  C.middleRows<6>(camera_core_[2]) = H.middleCols<6>(kVelocity).transpose();
+  C.topRows(newest_core_).setZero();
+  C.bottomRows(core_dim_ - newest_core_) =
+      (*camera_columns_).lazyProduct(H.leftCols<kCameraDim>().transpose());
   if (H.cols() == kCameraDim) return;
-  const GraphLandmark& l = graph[id];
-  const int dim = state_dim(graph, id);
-  scratch_.resize(core_dim_, 3 + dim);
-  auto E = *scratch_;
-  E.setZero();
-  columns_of(graph, l.anchor, E.leftCols<3>());
-  LandmarkMatrix own;
-  state_columns(graph, id, E.rightCols(dim), own);
-  C += E.lazyProduct(H.rightCols(3 + dim).transpose());
+  const auto add = [&](const Piece& p, int column) {
+    const int rows = core_dim_ - p.first;
+    C.bottomRows(rows) += (*columns_)
+                              .block(p.first, p.column, rows, p.dim)
+                              .lazyProduct(H.middleCols(column, p.dim).transpose());
+  };
+  const Joint& joint = joints_[static_cast<std::size_t>(id)];
+  add(piece(joint.anchor), kCameraDim);
+  add(piece(joint.state), kCameraDim + 3);
 }
 
-void NormalEquations::fill_joint(const Asked& asked) {
-  auto& P = joints_[static_cast<std::size_t>(asked.id)].covariance;
+void NormalEquations::fill_joint(LandmarkId id) {
+  Joint& joint = joints_[static_cast<std::size_t>(id)];
+  JointMatrix& P = joint.covariance;
   constexpr int kAnchor = kCameraDim, kState = kCameraDim + 3;
-  const Piece &anchor = piece(asked.anchor), &state = piece(asked.state);
+  const Piece &anchor = piece(joint.anchor), &state = piece(joint.state);
   P.topLeftCorner<kCameraDim, kCameraDim>() = camera_covariance_;
-  P.block<3, kCameraDim>(kAnchor, 0) = (*cross_).middleRows<3>(anchor.column);
-  P.block(kState, 0, state.dim, kCameraDim) = (*cross_).middleRows(state.column, state.dim);
+  P.block<3, kCameraDim>(kAnchor, 0) = (*cross_).middleCols<3>(anchor.column).transpose();
+  P.block(kState, 0, state.dim, kCameraDim) =
+      (*cross_).middleCols(state.column, state.dim).transpose();
   const auto of = [&](const Piece& p, int first) {
     return (*columns_).block(first, p.column, core_dim_ - first, p.dim);
   };

@@ -21,6 +21,9 @@ void NormalEquations::factorise(Graph& graph, const GraphCamera& camera, double 
   if (damping > 0.0) (*S_).diagonal() += damping * squares_;
   factorise_core(graph);
   camera_columns_.resize(core_dim_, 0);
+  columns_.resize(core_dim_, 0);
+  cross_.resize(kCameraDim, 0);
+  pieces_.clear();
   for (Joint& joint : joints_) joint.known = joint.is_new = false;
 }
 

@@ -47,8 +47,9 @@ class NormalEquations {
   int steps(LandmarkId id) const { return blocks_[static_cast<std::size_t>(id)].steps(); }
   int state_dim(const Graph& graph, LandmarkId id) const;
 
-  // C := d(camera, anchor, newest state)' / d(core) H', for H 2 x (as joint(), or camera alone).
-  void project(const Graph& graph, LandmarkId id, const Eigen::Ref<const Eigen::MatrixXd>& H,
+  // C := L^-1 d(camera, anchor, newest state)' / d(core) H', for H 2 x (as joint(), or camera
+  // alone), so that C_i' C_j is what two pixels share. The landmark has been announced.
+  void project(LandmarkId id, const Eigen::Ref<const Eigen::MatrixXd>& H,
                Eigen::Ref<Eigen::MatrixXd> C) const;
 
   // For questions of other kinds: C := L^-1 C, so that C'C is the covariance of C' core.
@@ -59,29 +60,26 @@ class NormalEquations {
  private:
   struct Joint {
     bool known = false;
-    bool is_new = false;  // add()
+    bool is_new = false;        // add()
+    int anchor = 0, state = 0;  // pieces
     JointMatrix covariance;
   };
 
-  // Columns that are asked for: of an anchor, or of a newest state. Rows of the core before `first`
-  // do not concern them.
+  // Columns that have been asked for: of an anchor, or of a newest state. Rows of the core before
+  // `first` do not concern them.
   struct Piece {
     VariableId anchor = -1;
     int first = 0, dim = 0;
     Eigen::Index column = 0;
   };
-  struct Asked {
-    LandmarkId id = 0;
-    int anchor = 0, state = 0;  // pieces
-  };
 
   void place(Graph& graph);
   void factorise_core(const Graph& graph);
   void ask(const Graph& graph, LandmarkId id);
-  Eigen::Index place_pieces();
+  void place_pieces(std::size_t first);
+  void fill_columns(const Graph& graph, LandmarkId id);
   void solve_pieces();
-  void fill_columns(const Graph& graph, const Asked& asked);
-  void fill_joint(const Asked& asked);
+  void fill_joint(LandmarkId id);
   const Piece& piece(int i) const { return pieces_[static_cast<std::size_t>(i)]; }
   void add_cameras(const Graph& graph);
   void add_blocks(const Graph& graph, double damping);
@@ -102,12 +100,14 @@ class NormalEquations {
   std::vector<Joint> joints_;          // by LandmarkId
   GrowingMatrix camera_columns_;       // L^-1 of the camera's, 12 of them
   Matrix12d camera_covariance_;
-  Eigen::Matrix3d turn_;           // right Jacobian of the camera's last step
-  GrowingMatrix columns_, cross_;  // scratch
-  mutable GrowingMatrix scratch_;
-  std::vector<Asked> asked_;
-  std::vector<Piece> pieces_;
-  std::vector<Piece*> sorted_;  // by first row
+  Eigen::Matrix3d turn_;       // right Jacobian of the camera's last step
+  std::vector<Piece> pieces_;  // since factorise()
+  GrowingMatrix columns_;      // theirs, L^-1 E
+  GrowingMatrix cross_;        // the camera's columns' times them
+
+  // Of one prepare(), kept for their memory.
+  std::vector<LandmarkId> asked_;
+  std::vector<Piece*> sorted_;  // new ones, by first row
 };
 
 }  // namespace slammot

@@ -86,20 +86,22 @@ void Window::expect_new(const GraphLandmark& l, const ObservedPixel& h, Expected
 }
 
 // With E the columns of camera, anchor and state in the core, and L L' the core's information, two
-// pixels share (L^-1 E H_i')' (L^-1 E H_j') and the motion noise of the newest camera.
+// pixels share (L^-1 E H_i')' (L^-1 E H_j') and the motion noise of the newest camera. Its lower
+// triangle.
 void Window::fill_HPHt(GrowingMatrix& HPHt) {
   const Eigen::Index size = 2 * std::ssize(expected_);
+  HPHt.resize(size, size);
+  if (size == 0) return;
   const NormalEquations& equations = optimiser_.equations();
   core_columns_.resize(equations.core_dim(), size);
   auto C = *core_columns_;
   for (Eigen::Index i = 0; i < std::ssize(expected_); ++i) {
     const Expected& pixel = expected_[static_cast<std::size_t>(i)];
-    equations.project(graph_, pixel.landmark, pixel.H, C.middleCols<2>(2 * i));
+    equations.project(pixel.landmark, pixel.H, C.middleCols<2>(2 * i));
   }
-  equations.whiten(C);
-  HPHt.resize(size, size);
   auto P = *HPHt;
-  P.noalias() = C.transpose() * C;
+  P.setZero();
+  P.selfadjointView<Eigen::Lower>().rankUpdate(C.transpose());
   for (Eigen::Index i = 0; i < std::ssize(expected_); ++i) {
     const Expected& pixel = expected_[static_cast<std::size_t>(i)];
     P.block<2, 2>(2 * i, 2 * i) = pixel.HPHt;
