@@ -14,15 +14,13 @@ class GrowingMatrix {
   void resize(Eigen::Index rows, Eigen::Index cols) {
     rows_ = rows;
     cols_ = cols;
-    const auto size = static_cast<std::size_t>(rows * cols);
-    if (storage_.size() < size) storage_.resize(size + size / 2);
+    grow();
   }
 
   // Values are kept, new ones not set.
   void add_columns(Eigen::Index count) {
     cols_ += count;
-    const auto size = static_cast<std::size_t>(rows_ * cols_);
-    if (storage_.size() < size) storage_.resize(size + size / 2);
+    grow();
   }
 
   Eigen::Map<Eigen::MatrixXd> operator*() { return {storage_.data(), rows_, cols_}; }
@@ -39,6 +37,11 @@ class GrowingMatrix {
   void keep_columns(Eigen::Index cols) { cols_ = cols; }
 
  private:
+  void grow() {
+    const auto size = static_cast<std::size_t>(rows_ * cols_);
+    if (storage_.size() < size) storage_.resize(size + size / 2);
+  }
+
   std::vector<double> storage_;
   Eigen::Index rows_ = 0, cols_ = 0;
 };
