@@ -180,6 +180,7 @@ std::vector<CameraEstimate> Batch::smoothed(StageListener& stages) {
     const LandmarkId one[] = {l.id};
     equations.prepare(graph_, one);
     landmarks_->push_back(estimate(l, equations));
+    equations.forget_columns();  // or memory fills
   }
   return result;
 }

@@ -1,5 +1,6 @@
 // Marginals from a factorisation of the normal equations.
 #include <algorithm>
+#include <cassert>
 
 #include "smoothers/linear/lapack.h"
 #include "smoothers/solver/camera_parts.h"
@@ -167,6 +168,7 @@ void NormalEquations::fill_columns(const Graph& graph, LandmarkId id) {
 
 void NormalEquations::project(LandmarkId id, const Eigen::Ref<const Eigen::MatrixXd>& H,
                               Eigen::Ref<Eigen::MatrixXd> C) const {
+  assert(camera_columns_.cols() > 0);
   C.topRows(newest_core_).setZero();
   C.bottomRows(core_dim_ - newest_core_) =
       (*camera_columns_).lazyProduct(H.leftCols<kCameraDim>().transpose());
@@ -178,6 +180,7 @@ void NormalEquations::project(LandmarkId id, const Eigen::Ref<const Eigen::Matri
                               .lazyProduct(H.middleCols(column, p.dim).transpose());
   };
   const Joint& joint = joints_[static_cast<std::size_t>(id)];
+  assert(joint.known);
   add(piece(joint.anchor), kCameraDim);
   add(piece(joint.state), kCameraDim + 3);
 }

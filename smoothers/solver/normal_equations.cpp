@@ -21,10 +21,15 @@ void NormalEquations::factorise(Graph& graph, const GraphCamera& camera, double 
   if (damping > 0.0) (*S_).diagonal() += damping * squares_;
   factorise_core(graph);
   camera_columns_.resize(core_dim_, 0);
+  for (Joint& joint : joints_) joint.is_new = false;
+  forget_columns();
+}
+
+void NormalEquations::forget_columns() {
   columns_.resize(core_dim_, 0);
   cross_.resize(kCameraDim, 0);
   pieces_.clear();
-  for (Joint& joint : joints_) joint.known = joint.is_new = false;
+  for (Joint& joint : joints_) joint.known = false;
 }
 
 // Rates that only motion factors tie, newest first; then poses, oldest first, each with position

@@ -38,8 +38,10 @@ class NormalEquations {
   Matrix12d camera_covariance(const Graph& graph, const GraphCamera& camera) const;
 
   // Joint covariance of the camera (12), a landmark's anchor (3) and its newest state as it was
-  // when these equations were built (y alone when static). Landmarks are to be announced together.
+  // when these equations were built (y alone when static). Landmarks are to be announced together,
+  // which is faster. Their columns are kept until the next factorise(), unless they are forgotten.
   void prepare(const Graph& graph, std::span<const LandmarkId> landmarks);
+  void forget_columns();
   const JointMatrix& joint(LandmarkId id) const {
     return joints_[static_cast<std::size_t>(id)].covariance;
   }
@@ -48,7 +50,7 @@ class NormalEquations {
   int state_dim(const Graph& graph, LandmarkId id) const;
 
   // C := L^-1 d(camera, anchor, newest state)' / d(core) H', for H 2 x (as joint(), or camera
-  // alone), so that C_i' C_j is what two pixels share. The landmark has been announced.
+  // alone), so that C_i' C_j is what two pixels share. After prepare(), and of one that was in it.
   void project(LandmarkId id, const Eigen::Ref<const Eigen::MatrixXd>& H,
                Eigen::Ref<Eigen::MatrixXd> C) const;
 

@@ -26,9 +26,8 @@ void count_for(const void* caller) {
   if (!is_counting) return;
   Dl_info info{};
   const bool is_known = dladdr(caller, &info) != 0 && info.dli_fname != nullptr;
-  if (!is_known || std::string_view(info.dli_fname).find("openblas") == std::string_view::npos) {
-    ++allocations;
-  }
+  const std::string_view path = is_known ? info.dli_fname : "";
+  if (!path.substr(path.rfind('/') + 1).starts_with("libopenblas")) ++allocations;
 }
 
 }  // namespace

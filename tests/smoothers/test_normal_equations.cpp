@@ -62,6 +62,33 @@ struct EliminatedEquations : testing::TestWithParam<std::tuple<test::Model, Held
     M << columns.rows(graph, scene.newest()), columns.rows(graph, graph[id].anchor), state;
     return M;
   }
+  void expect_what_pixels_share_is_dense() {
+    const test::DenseProblem dense = test::dense_problem(graph);
+    const Eigen::MatrixXd P = dense.covariance();
+    equations.factorise(graph, scene.newest());
+    equations.prepare(graph, std::vector<LandmarkId>{Scene::kFreed, Scene::kPlain});
+    equations.prepare(graph, std::vector<LandmarkId>{5, 3, 1, 0, 2, 4});
+    const std::vector<LandmarkId> ids = test::active_landmarks(graph);
+    const auto count = std::ssize(ids);
+    Eigen::MatrixXd C(equations.core_dim(), 2 * count + 2);
+    std::vector<Eigen::MatrixXd> rows;  // of each pixel
+    for (Eigen::Index i = 0; i <= count; ++i) {
+      const LandmarkId id = ids[static_cast<std::size_t>(i < count ? i : 0)];
+      const Eigen::MatrixXd M =
+          i < count ? joint_rows(dense.columns, id) : dense.columns.rows(graph, scene.newest());
+      const Eigen::MatrixXd H = Eigen::MatrixXd::Random(2, M.rows());
+      equations.project(id, H, C.middleCols(2 * i, 2));
+      rows.push_back(H * M);
+    }
+    for (Eigen::Index i = 0; i <= count; ++i) {
+      for (Eigen::Index j = 0; j < i; ++j) {
+        const Eigen::Matrix2d shared = C.middleCols(2 * i, 2).transpose() * C.middleCols(2 * j, 2);
+        const Eigen::Matrix2d expected =
+            rows[static_cast<std::size_t>(i)] * P * rows[static_cast<std::size_t>(j)].transpose();
+        EXPECT_LT((shared - expected).norm(), 1e-9 * expected.norm()) << i << ", " << j;
+      }
+    }
+  }
   Scene scene;
   Graph& graph;
   NormalEquations equations;
@@ -100,32 +127,16 @@ TEST_P(EliminatedEquations, MarginalsAreTheDenseOnes) {
   }
 }
 
-// Of two landmarks, or of one and the camera, whether they were announced together or not.
+// Of two landmarks, or of one and the camera, whether they were announced together or not. And
+// again of another linearisation, by the same object: nothing of the first is read then.
 TEST_P(EliminatedEquations, WhatPixelsShareIsTheDenseCovariance) {
-  const test::DenseProblem dense = test::dense_problem(graph);
-  const Eigen::MatrixXd P = dense.covariance();
-  equations.factorise(graph, scene.newest());
-  equations.prepare(graph, std::vector<LandmarkId>{Scene::kFreed, Scene::kPlain});
-  equations.prepare(graph, std::vector<LandmarkId>{5, 3, 1, 0, 2, 4});
-  const std::vector<LandmarkId> ids = test::active_landmarks(graph);
-  const auto count = std::ssize(ids);
-  Eigen::MatrixXd C(equations.core_dim(), 2 * count + 2);
-  std::vector<Eigen::MatrixXd> rows;  // of each pixel
-  for (Eigen::Index i = 0; i <= count; ++i) {
-    const LandmarkId id = ids[static_cast<std::size_t>(i < count ? i : 0)];
-    const Eigen::MatrixXd M =
-        i < count ? joint_rows(dense.columns, id) : dense.columns.rows(graph, scene.newest());
-    const Eigen::MatrixXd H = Eigen::MatrixXd::Random(2, M.rows());
-    equations.project(id, H, C.middleCols(2 * i, 2));
-    rows.push_back(H * M);
-  }
-  for (Eigen::Index i = 0; i <= count; ++i) {
-    for (Eigen::Index j = 0; j < i; ++j) {
-      const Eigen::Matrix2d shared = C.middleCols(2 * i, 2).transpose() * C.middleCols(2 * j, 2);
-      const Eigen::Matrix2d expected =
-          rows[static_cast<std::size_t>(i)] * P * rows[static_cast<std::size_t>(j)].transpose();
-      EXPECT_LT((shared - expected).norm(), 1e-9 * expected.norm()) << i << ", " << j;
+  for (int linearisation = 0; linearisation < 2; ++linearisation) {
+    if (linearisation > 0) {
+      test::set_steps(graph, 0.05 * Eigen::VectorXd::Random(test::Columns(graph).size()));
+      graph.retract();
+      graph.linearise();
     }
+    expect_what_pixels_share_is_dense();
   }
 }
 
