@@ -56,9 +56,10 @@ cv::Mat ImageSource::read(const std::filesystem::path& file) {
   }
   if (!channels_) channels_ = image.channels();
   if (image.channels() != *channels_ && !mixed_colours_) {
-    throw InputError(file, 0,
-                     fmt::format("the image is {}, those before it are {}",
-                                 colour_name(image.channels()), colour_name(*channels_)));
+    throw InputError(
+        file, 0,
+        fmt::format("the image is {}, those before it are {}; --mixed-colours takes both",
+                    colour_name(image.channels()), colour_name(*channels_)));
   }
   if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
   return image;

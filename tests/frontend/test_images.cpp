@@ -129,7 +129,7 @@ TEST_F(Images, ColourAmongGrey) {
   cv::Mat colour;
   cv::cvtColor(scene(4), colour, cv::COLOR_GRAY2BGR);
   cv::imwrite(image(2).string(), colour);
-  expect_bad(2, "the image is colour, those before it are grey");
+  expect_bad(2, "the image is colour, those before it are grey; --mixed-colours takes both");
   EXPECT_EQ(track("--mixed-colours"), 0);
   EXPECT_NE(out_.find("6 frames, 0 skipped"), std::string::npos);
 }
