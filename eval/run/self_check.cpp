@@ -28,6 +28,8 @@ constexpr double kMostRejected = 0.15;  // a gate rejects a twentieth of right m
 constexpr double kMostRejectedOfBurst = 0.5;
 constexpr int kLeastStatic = 5;  // used; three hold a camera, four cannot tell which is wrong
 constexpr double kLeastShareStatic = 0.1;
+constexpr int kMovingToStatic = 2;  // landmarks; as many of each in good runs among many movers
+constexpr int kLeastLabels = 20;
 constexpr double kLeastSpread = 3.0;      // of the rays; noise alone spreads those of a line by 1
 constexpr double kExplains = 0.8;         // of what the five-point estimate does
 constexpr std::size_t kMostWrong = 5;     // one span in so many
@@ -129,6 +131,23 @@ std::optional<std::string> hardly_any_is_static(const Sums& s) {
   if (s.accepted_static >= kLeastShareStatic * s.accepted) return std::nullopt;
   return fmt::format("{:.0f}% of the measurements used in {} frames are of static landmarks",
                      100.0 * s.accepted_static / s.accepted, s.frames);
+}
+
+// By their last labels. Landmarks that were lost before they got one do not count.
+std::optional<RunWarning> labels_have_collapsed(const RunResult& run) {
+  const auto labelled = [&](Label label) {
+    return std::ranges::count(run.landmarks, label, [](const LandmarkRecord& landmark) {
+      return landmark.estimate.label;
+    });
+  };
+  const auto moving = labelled(Label::kMoving);
+  const auto resting = labelled(Label::kStatic);
+  if (moving + resting < kLeastLabels || moving <= kMovingToStatic * resting) return std::nullopt;
+  return RunWarning{
+      std::nullopt,
+      fmt::format("{} of the {} landmarks with a label are moving: unless that is so, the labels "
+                  "have collapsed",
+                  moving, moving + resting)};
 }
 
 // A frame that measures landmarks, none of them static, after one that measured enough: then
@@ -236,6 +255,7 @@ std::vector<RunWarning> self_check(const RunResult& run, std::span<const Rotatio
   check(kFrames, nothing_is_used);
   check(kFrames, hardly_any_is_static);
   if (auto warning = noise_is_too_large(run)) warnings.push_back(std::move(*warning));
+  if (auto warning = labels_have_collapsed(run)) warnings.push_back(std::move(*warning));
   if (auto warning = nothing_static(run)) warnings.push_back(std::move(*warning));
   if (auto warning = all_on_one_line(run)) warnings.push_back(std::move(*warning));
   if (auto warning = time_jumps(run)) warnings.push_back(std::move(*warning));

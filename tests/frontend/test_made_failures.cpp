@@ -59,16 +59,23 @@ TEST(MadeFailures, NoiseStatedSixTimesTooLarge) {
 TEST(MadeFailures, LabelsCollapsed) {
   Sequence sequence = scene();
   for (auto& [track, landmark] : sequence.landmarks) landmark.label = Label::kMoving;
-  EXPECT_THAT(warnings_of(sequence, "true_labels"), says("fewer than 5 static landmarks"));
+  const std::vector<RunWarning> warnings = warnings_of(sequence, "true_labels");
+  EXPECT_THAT(warnings, says("fewer than 5 static landmarks"));
+  EXPECT_THAT(warnings, says("labels have collapsed"));
 }
 
-// By the classifier itself: prior odds of a million to one call all that is undecided moving.
+// By the classifier itself: prior odds of a million to one call all that is undecided moving. Those
+// of a hundred to one leave more static landmarks than a third, but few in view.
 TEST(MadeFailures, LabelsCollapsedByTheClassifier) {
   Configuration configuration;
   assign(configuration, {"labels.first_frame", "unknown"});
   EXPECT_THAT(warnings_of(scene(), "ekf", configuration), IsEmpty());
-  assign(configuration, {"classifier.prior_odds", "0.000001"});
+  assign(configuration, {"classifier.prior_odds", "0.01"});
   EXPECT_THAT(warnings_of(scene(), "ekf", configuration), says("static landmarks in view in"));
+  assign(configuration, {"classifier.prior_odds", "0.000001"});
+  const std::vector<RunWarning> warnings = warnings_of(scene(), "ekf", configuration);
+  EXPECT_THAT(warnings, says("static landmarks in view in"));
+  EXPECT_THAT(warnings, says("labels have collapsed"));
 }
 
 TEST(MadeFailures, NothingStaticInView) {

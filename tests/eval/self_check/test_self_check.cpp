@@ -158,6 +158,34 @@ TEST(SelfCheck, ManyMoversAreNoReason) {
   EXPECT_TRUE(self_check(run_of(half, 0)).empty());
 }
 
+RunResult with_labels(int resting, int moving, int unknown) {
+  RunResult run = run_of(kGood, 0);
+  const auto add = [&](Label label, int count) {
+    for (int i = 0; i < count; ++i) {
+      LandmarkRecord& landmark = run.landmarks.emplace_back();
+      landmark.estimate.track = static_cast<int>(run.landmarks.size());
+      landmark.estimate.label = label;
+    }
+  };
+  add(Label::kStatic, resting);
+  add(Label::kMoving, moving);
+  add(Label::kUnknown, unknown);
+  return run;
+}
+
+TEST(SelfCheck, LabelsHaveCollapsed) {
+  EXPECT_TRUE(self_check(with_labels(10, 20, 0)).empty());  // two in three
+  EXPECT_EQ(only_reason(with_labels(9, 21, 100)),
+            "21 of the 30 landmarks with a label are moving: unless that is so, the labels have "
+            "collapsed");
+  EXPECT_FALSE(self_check(with_labels(9, 21, 0)).front().frame.has_value());
+}
+
+TEST(SelfCheck, AFewLabelsSayNothing) {
+  EXPECT_TRUE(self_check(with_labels(0, 19, 100)).empty());
+  EXPECT_FALSE(self_check(with_labels(0, 20, 0)).empty());
+}
+
 TEST(SelfCheck, RotationDisagrees) {
   const RotationSpan good{.first = 0, .last = 10, .five_point = 40, .estimate = 33, .angle = 0.02};
   std::vector<RotationSpan> spans(20, good);
