@@ -28,7 +28,7 @@ constexpr double kMostRejected = 0.15;  // a gate rejects a twentieth of right m
 constexpr double kMostRejectedOfBurst = 0.5;
 constexpr int kLeastStatic = 5;  // used; three hold a camera, four cannot tell which is wrong
 constexpr double kLeastShareStatic = 0.1;
-constexpr int kMovingToStatic = 2;  // landmarks; as many of each in good runs among many movers
+constexpr int kMovingToStatic = 2;  // landmarks; good runs among many movers have as many of each
 constexpr int kLeastLabels = 20;
 constexpr double kLeastSpread = 3.0;      // of the rays; noise alone spreads those of a line by 1
 constexpr double kExplains = 0.8;         // of what the five-point estimate does
@@ -133,21 +133,21 @@ std::optional<std::string> hardly_any_is_static(const Sums& s) {
                      100.0 * s.accepted_static / s.accepted, s.frames);
 }
 
-// By their last labels. Landmarks that were lost before they got one do not count.
+// By their last labels: of what was decided, neither known beforehand nor static by rule.
 std::optional<RunWarning> labels_have_collapsed(const RunResult& run) {
-  const auto labelled = [&](Label label) {
-    return std::ranges::count(run.landmarks, label, [](const LandmarkRecord& landmark) {
-      return landmark.estimate.label;
+  const auto called = [&](Label label) {
+    return std::ranges::count_if(run.landmarks, [&](const LandmarkRecord& landmark) {
+      return !landmark.estimate.by_rule && landmark.estimate.label == label;
     });
   };
-  const auto moving = labelled(Label::kMoving);
-  const auto resting = labelled(Label::kStatic);
+  const auto moving = called(Label::kMoving);
+  const auto resting = called(Label::kStatic);
   if (moving + resting < kLeastLabels || moving <= kMovingToStatic * resting) return std::nullopt;
   return RunWarning{
-      std::nullopt,
-      fmt::format("{} of the {} landmarks with a label are moving: unless that is so, the labels "
-                  "have collapsed",
-                  moving, moving + resting)};
+      run.frames.front(),
+      fmt::format("of the {} landmarks called static or moving, over the whole run, {} are called "
+                  "moving: unless most do move, the labels have collapsed",
+                  moving + resting, moving)};
 }
 
 // A frame that measures landmarks, none of them static, after one that measured enough: then
