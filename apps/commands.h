@@ -8,6 +8,8 @@
 namespace slammot {
 
 inline constexpr char kForceHelp[] = "replace an earlier output of this command";
+inline constexpr char kVerboseHelp[] =
+    "also what of the method was in force, and how often it acted";
 
 void add_compare(CLI::App& app, int& exit_code);
 void add_study(CLI::App& app, int& exit_code);

@@ -21,6 +21,7 @@
 #include "eval/compare/compare.h"
 #include "eval/configuration/registry.h"
 #include "eval/configuration/setup.h"
+#include "eval/output/in_force.h"
 #include "eval/output/metrics_table.h"
 #include "eval/report/report_generator.h"
 #include "frontend/odometry/rotation_check.h"
@@ -35,11 +36,12 @@ struct CompareArguments {
   std::string sequence;
   std::string output;
   std::vector<std::string> estimators = {"ekf", "window"};
-  std::vector<std::string> landmarks = {"dynamic_inverse_depth", "scaled_velocity"};
+  std::vector<std::string> landmarks;
   ScenarioOptions scenario;
   ConfigurationOptions configuration;
   bool pictures = false;
   bool force = false;
+  bool verbose = false;
 };
 
 std::filesystem::path output_folder(const CompareArguments& arguments) {
@@ -52,13 +54,16 @@ std::filesystem::path output_folder(const CompareArguments& arguments) {
          ("compare-" + (arguments.sequence.empty() ? arguments.scenario.scenario : name.string()));
 }
 
-// A landmark model that was set in the configuration is the only one compared.
+// A landmark model that was set in the configuration, or by a preset, is the only one compared.
 std::vector<std::string> landmarks_compared(const CompareArguments& arguments,
                                             const std::vector<Assignment>& set,
                                             const Configuration& configuration) {
-  const bool stated =
-      std::any_of(set.begin(), set.end(), [](const auto& a) { return a.key == "landmark"; });
-  return stated ? std::vector{configuration.model.landmark} : arguments.landmarks;
+  const bool is_set = std::ranges::any_of(set, [](const auto& a) { return a.key == "landmark"; });
+  if (is_set) return {configuration.model.landmark};
+  if (!arguments.landmarks.empty()) return arguments.landmarks;
+  if (configuration.model.landmark != ModelOptions{}.landmark)
+    return {configuration.model.landmark};
+  return {"dynamic_inverse_depth", "scaled_velocity"};
 }
 
 Sequence obtain(const CompareArguments& arguments, const std::filesystem::path& output) {
@@ -119,9 +124,12 @@ std::unique_ptr<FileLock> claim(const CompareArguments& arguments,
   return lock;
 }
 
-int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path& output) {
+int finish(const std::vector<NamedMetrics>& results, const std::filesystem::path& output,
+           bool verbose) {
   fmt::print("\n{}\n", metrics_table(results));
+  if (verbose) fmt::print("{}\n", in_force_table(results));
   std::fflush(stdout);
+  fmt::print(stderr, "{}", without_effect_lines(results));
   say_what_is_wrong(results);
   const bool diverged = std::any_of(results.begin(), results.end(),
                                     [](const auto& r) { return r.metrics.diverged.has_value(); });
@@ -163,7 +171,7 @@ int execute(CompareArguments arguments) {
   const auto results = compare(sequence, configuration, runs, options);
   if (arguments.pictures) draw_all(results, sequence, output, progress);
   progress.clear();
-  return finish(results, output);
+  return finish(results, output, arguments.verbose);
 }
 
 }  // namespace
@@ -182,10 +190,11 @@ void add_compare(CLI::App& app, int& exit_code) {
       ->type_name("NAME[:KEY=VALUE,..]")
       ->allow_extra_args(false)
       ->capture_default_str();
-  command->add_option("--landmark", arguments->landmarks, "landmark model; may be repeated")
+  command
+      ->add_option("--landmark", arguments->landmarks,
+                   "landmark model; may be repeated (dynamic_inverse_depth and scaled_velocity)")
       ->type_name("NAME")
-      ->allow_extra_args(false)
-      ->capture_default_str();
+      ->allow_extra_args(false);
   command->add_option("--scenario", arguments->scenario.scenario, "simulate this one (circle)")
       ->type_name("NAME")
       ->excludes(sequence);
@@ -200,6 +209,7 @@ void add_compare(CLI::App& app, int& exit_code) {
   command->add_flag("--pictures", arguments->pictures,
                     "of every frame, as PNG and as a film, and in the report; wants images");
   command->add_flag("--force", arguments->force, kForceHelp);
+  command->add_flag("--verbose", arguments->verbose, kVerboseHelp);
   add_configuration_options(*command, arguments->configuration);
   command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
 }

@@ -13,6 +13,7 @@
 #include "datasets/readers/reader.h"
 #include "eval/configuration/registry.h"
 #include "eval/configuration/setup.h"
+#include "eval/output/in_force.h"
 #include "eval/output/metrics_table.h"
 #include "eval/output/run_writer.h"
 #include "eval/run/evaluate.h"
@@ -28,6 +29,7 @@ struct RunArguments {
   std::string output;
   std::string landmarks = "final";
   bool force = false;
+  bool verbose = false;
   ConfigurationOptions configuration;
 };
 
@@ -57,9 +59,11 @@ int execute(const RunArguments& arguments) {
              std::nullopt, effective, from_sequence},
             run, metrics);
   const std::string landmark = row.has_models ? effective.model.landmark : "-";
-  fmt::print("{}{}\n",
-             metrics_table({{run_name(output), estimator_label(row.name), landmark, metrics}}),
+  const std::vector<NamedMetrics> named = {
+      {run_name(output), estimator_label(row.name), landmark, metrics}};
+  fmt::print("{}{}{}\n", metrics_table(named), arguments.verbose ? in_force_table(named) : "",
              output);
+  fmt::print(stderr, "{}", without_effect_lines(named));
   for (const RunWarning& w : run.warnings) {
     fmt::print(stderr, "slammot: warning: {}{}\n", arguments.estimator, told(w));
   }
@@ -91,6 +95,7 @@ void add_run(CLI::App& app, int& exit_code) {
                    "of each, or all of every frame, and predictions.csv")
       ->check(CLI::IsMember({"final", "every-frame"}));
   command->add_flag("--force", arguments->force, kForceHelp);
+  command->add_flag("--verbose", arguments->verbose, kVerboseHelp);
   add_configuration_options(*command, arguments->configuration);
   command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
 }

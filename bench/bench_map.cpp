@@ -8,14 +8,13 @@
 namespace slammot::bench {
 namespace {
 
-void map_size(benchmark::State& state, const std::string& estimator, bool deferred = false) {
+void map_size(benchmark::State& state, const std::string& estimator) {
   const auto landmarks = static_cast<std::size_t>(state.range(0));
   constexpr std::size_t kTimed = 40;
   const CorridorOptions options{
       .frames = 200 + 3 * static_cast<int>(landmarks), .visible = 30, .speed = 6.0};
   const Corridor corridor = make_corridor(options);
-  Configuration configuration = thesis_configuration(options);
-  configuration.ekf.deferred = deferred;
+  const Configuration configuration = thesis_configuration(options);
   const auto made = find_estimator(estimator).make(corridor.setup, configuration);
   FrameTimes warm, times;
   std::size_t next = 0;
@@ -40,7 +39,6 @@ void sizes(benchmark::internal::Benchmark* benchmark) {
   one_pass(benchmark);
 }
 BENCHMARK_CAPTURE(map_size, ekf, "ekf")->Apply(sizes);
-BENCHMARK_CAPTURE(map_size, ekf_deferred, "ekf", true)->Apply(sizes);
 BENCHMARK_CAPTURE(map_size, window, "window")->Apply(sizes);
 
 void large_map(benchmark::State& state, const std::string& estimator) {

@@ -23,7 +23,6 @@ void window_frame(benchmark::State& state) {
                                 .visible = static_cast<int>(state.range(0))};
   const Corridor corridor = make_corridor(options);
   Configuration configuration = thesis_configuration(options);
-  configuration.model.policy.retain = Retain::kVisible;
   configuration.window.frames = static_cast<int>(state.range(1));
   for (auto _ : state) {
     const FrameTimes window =
@@ -52,14 +51,13 @@ double rmse(const Corridor& corridor, const FrameTimes& times) {
   return std::sqrt(sum / static_cast<double>(times.positions.size()));
 }
 
-// Range: landmarks in view, all static and known to be so, none kept once unseen.
+// Range: landmarks in view, all static and known to be so.
 void static_window(benchmark::State& state) {
   const CorridorOptions options{.frames = kWarm + kTimed,
                                 .visible = static_cast<int>(state.range(0)),
                                 .moving_fraction = 0.0};
   const Corridor corridor = make_corridor(options);
   Configuration configuration = thesis_configuration(options);
-  configuration.model.policy.retain = Retain::kVisible;
   configuration.model.classifier.name = "all_static";
   configuration.model.labels.rule = LabelRule::kOneWay;
   configuration.model.labels.first_frame = FirstFrameLabels::kStatic;

@@ -88,21 +88,9 @@ Corridor make_corridor(const CorridorOptions& options) {
 
 Configuration thesis_configuration(const CorridorOptions& options) {
   Configuration configuration;
-  ModelOptions& model = configuration.model;
-  model.landmark = "dynamic_inverse_depth";
-  model.classifier.name = "thesis";
-  model.labels.rule = LabelRule::kOneWay;
-  model.labels.first_frame = FirstFrameLabels::kStatic;
-  model.labels.sightings = 2;
-  model.collapse = Collapse::kDrop;
-  model.adaptive_motion = false;
-  model.depth_prior = DepthPriorSource::kFixed;
-  model.gate.given_others = 1.0;
-  model.policy.max_visible = options.visible;
-  model.policy.max_landmarks = 100000;
-  configuration.ekf.second_order = false;
-  configuration.ekf.static_enough = 0;
-  configuration.ekf.equivariant_scale = false;
+  assign(configuration, {"preset", "thesis"});
+  configuration.model.policy.max_visible = options.visible;
+  configuration.model.policy.max_landmarks = 100000;
   return configuration;
 }
 

@@ -81,14 +81,14 @@ const std::vector<Case> kCases = {
     {"circle", "ekf", {}},
     {"circle", "ekf", {"landmark=dynamic_inverse_depth", "collapse=drop", "labels=one_way"}},
     {"circle", "ekf", {"ekf.linearisation=fej", "prior.source=fixed"}},
-    {"circle", "ekf", {"ekf.deferred=true", "ekf.equivariant_scale=false", "classifier=odds"}},
-    {"circle", "ekf", {"ekf.iterations=3", "policy.retain=visible"}},
+    {"circle", "ekf", {"ekf.gauge=none", "policy.movers=joint", "classifier=odds"}},
+    {"circle", "ekf", {"ekf.iterations=3"}},
     {"move_stop_move", "ekf", {"prior.inverse_depth_sigma=0.3", "prior.mean_sigma=0.02"}},
     {"circle", "delayed", {}},
     {"circle", "window", {"window.frames=10"}},
     {"circle", "window", {"window.frames=5", "landmark=dynamic_inverse_depth", "collapse=drop"}},
-    {"circle", "window", {"window.frames=5", "window.linearisation=fej", "window.loss=huber"}},
-    {"move_stop_move", "window", {"window.frames=8", "policy.retain=visible"}},
+    {"circle", "window", {"window.frames=5", "window.linearisation=fej"}},
+    {"move_stop_move", "window", {"window.frames=8"}},
     {"circle", "batch", {"window.frames=5", "frames.last=60"}},
 };
 

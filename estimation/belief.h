@@ -13,15 +13,16 @@
 #include <vector>
 
 #include "estimation/classification.h"
-#include "estimation/depth_prior.h"
 #include "estimation/estimator.h"
 #include "estimation/gate.h"
+#include "estimation/in_force.h"
 #include "estimation/landmark_estimate.h"
-#include "estimation/probation.h"
+#include "estimation/seen_depth.h"
+#include "estimation/track_policy.h"
 
 namespace slammot {
 
-// The NIS of a measurement given all others of its frame (label_policy.h).
+// The NIS of a measurement given all others of its frame (label_revision.h).
 struct LeaveOneOut {
   int track = 0;
   double nis = 0.0;
@@ -37,10 +38,6 @@ struct LandmarkPoint {
 class Belief {
  public:
   virtual ~Belief() = default;
-
-  // Before predict(): landmarks that the belief can keep no longer. They are removed before the
-  // frame's measurements are used, so that a track that is still measured begins anew.
-  virtual void leaving(std::vector<int>& tracks) { tracks.clear(); }
 
   // The time update, thesis 2.1.1 and (2.5), by `dt` [s] since the frame before (0: the first
   // frame), with this noise of the camera. How much a landmark may accelerate depends on its label
@@ -67,9 +64,10 @@ class Belief {
     result.clear();
   }
 
-  // The measurement update with what passed the gate, a part of innovations() in its order. A
-  // smoother first lets the oldest frame leave.
-  virtual void update(const TrackRecords& records, std::span<const Observation> accepted,
+  // The measurement update with what passed the gate, a part of innovations() in its order.
+  // Measurements of the tracks in `considered` (modules/consider.h), sorted, correct their own
+  // landmarks and nothing else. A smoother first lets the oldest frame leave.
+  virtual void update(std::span<const Observation> accepted, std::span<const int> considered,
                       StageListener& stages) = 0;
 
   // After update(): of its measurements, those of static landmarks at least.
@@ -87,9 +85,14 @@ class Belief {
   // What the motion of static landmarks that update() used would be, were it not held at rest; of
   // those whose motion is still remembered (LabelOptions::memory), the others being as they are
   // labelled. Filled in as motions().
-  virtual void held_motions(std::span<const int> /*tracks*/, std::vector<MotionBelief>& result) {
+  virtual void constrained_motions(std::span<const int> /*tracks*/,
+                                   std::vector<MotionBelief>& result) {
     result.clear();
   }
+
+  // Before predict(): the motions of these static landmarks are remembered no longer
+  // (modules/label_revision.h).
+  virtual void forget_motions(std::span<const int> /*tracks*/) {}
 
   // A static landmark whose motion is remembered is free again as if it had never been static: what
   // the label has done to the rest is undone.
@@ -105,16 +108,11 @@ class Belief {
   // of `prior` is not used.
   virtual bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) = 0;
 
-  // Between predict() and innovations(): landmarks enter with pixels of past frames (probation.h).
-  // Those with a pixel that fails the gate given the others stay out and are named in `refused`: a
-  // filter asks given the pixels before it, a smoother given all. Only of a belief that keeps past
-  // poses.
-  virtual void add_seen(std::span<const Candidate> /*candidates*/, std::vector<int>& /*refused*/) {
-    throw std::invalid_argument("policy.probation above 1: this estimator keeps no past poses");
-  }
-
   // At the end of a frame, whatever is left to check.
   virtual void finish() {}
+
+  // What of this family's own devices acts; see in_force.h. The loop adds those that are shared.
+  virtual void in_force(InForce& /*result*/) const {}
 
   virtual int state_size() const = 0;  // of the error state
   virtual CameraEstimate camera() const = 0;

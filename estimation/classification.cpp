@@ -1,7 +1,6 @@
 #include "estimation/classification.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -36,11 +35,12 @@ double mahalanobis_from_zero(const MotionVector& mean, const MotionMatrix& covar
   return llt.info() == Eigen::Success ? llt.matrixL().solve(mean).norm() : 0.0;
 }
 
-double hidden_speed(const MotionBelief& belief) {
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
-  eigen.computeDirect(belief.velocity_covariance(), Eigen::EigenvaluesOnly);
-  const double w_per_v = std::cbrt(belief.density_scale);  // 1, or rho
-  return std::sqrt(eigen.eigenvalues()(2)) / (w_per_v * belief.prior_velocity_sigma);
+std::optional<double> log_odds_ratio_of_rest(const MotionBelief& belief) {
+  const MotionMatrix prior = belief.prior_sigmas.cwiseAbs2().asDiagonal().toDenseMatrix();
+  const auto now = log_density_at_zero(belief.w, belief.covariance);
+  const auto before = log_density_at_zero(MotionVector::Zero(belief.w.size()), prior);
+  if (!now || !before) return std::nullopt;
+  return *now - *before;
 }
 
 double static_score_at_birth(const LandmarkFunctions& landmark, const LandmarkPrior& prior) {
@@ -71,28 +71,24 @@ class ThesisClassifier final : public Classifier {
   ClassifierOptions options_;
 };
 
-// Posterior odds of static to moving: the prior odds times the Savage-Dickey ratio, the density of
-// w at rest now over that at first sight (Dickey 1971). Static needs more than odds: two well known
-// directions can outweigh a third along which any speed could still hide. What was found to move is
-// at rest again only against the evidence that it moved: its noise lets the belief forget that.
+// Posterior odds of static to moving: the prior odds times the Savage-Dickey ratio. What was found
+// to move is at rest again only against the evidence that it moved: its noise lets the belief
+// forget that.
 class OddsClassifier final : public Classifier {
  public:
   explicit OddsClassifier(const ClassifierOptions& options) : options_(options) {}
 
   Label decide(const MotionBelief& belief, ClassifierMemory& memory) const override {
-    const MotionMatrix prior = belief.prior_sigmas.cwiseAbs2().asDiagonal().toDenseMatrix();
-    const auto now = log_density_at_zero(belief.w, belief.covariance);
-    const auto before = log_density_at_zero(MotionVector::Zero(belief.w.size()), prior);
-    if (!now || !before) return Label::kUnknown;
-    const double log_odds = std::log(options_.prior_odds) + *now - *before;
+    const auto log_ratio = log_odds_ratio_of_rest(belief);
+    if (!log_ratio) return Label::kUnknown;
+    const double log_odds = std::log(options_.prior_odds) + *log_ratio;
     const double decisive = std::log(options_.decisive_odds);
     if (log_odds < -decisive) {
       memory = {decisive};
       return Label::kMoving;
     }
     const double against = memory.empty() ? 0.0 : memory.front();
-    const bool could_hide = hidden_speed(belief) > options_.hidden_speed;
-    return log_odds - against > decisive && !could_hide ? Label::kStatic : Label::kUnknown;
+    return log_odds - against > decisive ? Label::kStatic : Label::kUnknown;
   }
 
  private:
@@ -131,7 +127,7 @@ constexpr ClassifierRow kRows[] = {
      [](const Options& o, const TrueLabels&) -> Made {
        return std::make_unique<ThesisClassifier>(o);
      }},
-    {"odds", "posterior odds of static to moving, and no speed that could hide; no unit",
+    {"odds", "posterior odds of static to moving; no unit",
      [](const Options& o, const TrueLabels&) -> Made {
        return std::make_unique<OddsClassifier>(o);
      }},

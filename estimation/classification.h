@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -34,9 +35,10 @@ double density_at_zero(const MotionVector& mean, const MotionMatrix& covariance)
 // sqrt(mean' covariance^-1 mean), thesis (3.2); 0 if the covariance is not positive definite.
 double mahalanobis_from_zero(const MotionVector& mean, const MotionMatrix& covariance);
 
-// The standard deviation of the velocity in its worst direction, as a rule the line of sight, over
-// that at first sight: how much of a landmark's speed could still hide.
-double hidden_speed(const MotionBelief& belief);
+// The logarithm of the Savage-Dickey ratio (Dickey 1971), posterior over prior odds of rest: the
+// density of w at rest now over that at first sight. None where a covariance is not positive
+// definite.
+std::optional<double> log_odds_ratio_of_rest(const MotionBelief& belief);
 
 // C_s at first sight, (3.1) [(m/s)^-3].
 double static_score_at_birth(const LandmarkFunctions& landmark, const LandmarkPrior& prior);

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "estimation/in_force.h"
 #include "models/camera.h"
 #include "models/camera_motion.h"
 #include "models/label.h"
@@ -147,6 +148,11 @@ class Estimator {
     }
     return measured;
   }
+
+  // Each mechanism beyond the thesis, and whether it acts in this run; see in_force.h. Empty of an
+  // estimator that states none. Grows more certain with each frame: counts are of the frames so
+  // far.
+  virtual InForce in_force() const { return {}; }
 
   // Every camera so far as later frames have corrected it, oldest first; empty for a pure filter.
   // Called once, after the last frame: a batch solves here.

@@ -34,9 +34,10 @@ enum class Collapse { kDrop, kCondition };
 inline constexpr Choice<Collapse> kCollapses[] = {{"drop", Collapse::kDrop},
                                                   {"condition", Collapse::kCondition}};
 
-// Static landmarks stay while unseen, or are pruned as others are.
-enum class Retain { kMap, kVisible };
-inline constexpr Choice<Retain> kRetains[] = {{"map", Retain::kMap}, {"visible", Retain::kVisible}};
+// What moving landmarks may correct; see modules/consider.h.
+enum class Movers { kJoint, kConsidered };
+inline constexpr Choice<Movers> kMovers[] = {{"joint", Movers::kJoint},
+                                             {"considered", Movers::kConsidered}};
 
 // See depth_prior.h.
 enum class DepthPriorSource { kAuto, kEmpirical, kFixed };
@@ -48,15 +49,15 @@ inline constexpr Choice<DepthPriorSource> kDepthPriorSources[] = {
 // Landmarks measured at once where nothing says how many a sequence has in view.
 inline constexpr int kUsuallyVisible = 60;
 
-// Admission, removal and the size of the map; see track_policy.h.
+// Admission, removal, the size of the map, and who corrects the camera; see track_policy.h.
 struct TrackPolicy {
-  int max_landmarks = 1000;  // landmarks in the state at once; later births wait
+  int max_landmarks = 1000;  // landmarks in the state at once
   // Births wait while this many landmarks are being measured; unset: kUsuallyVisible.
   std::optional<int> max_visible;
-  int probation = 1;            // frames in a row that measure a track until it is a landmark
   int prune_after = 5;          // frames without an accepted measurement until it is pruned
   int prune_missed_after = 30;  // frames that should have shown it, until a static one is pruned
-  Retain retain = Retain::kMap;
+  Movers movers = Movers::kJoint;
+  bool delayed = false;  // unknown landmarks are considered too (estimator `delayed`)
 };
 
 // Numbers of rows from a user's own program, by configuration key, with their defaults: stated
@@ -73,20 +74,16 @@ struct ClassifierOptions {
       3.583;                    // t_m, thesis (3.2): sqrt of the 0.995 quantile of chi-square(3)
   double prior_odds = 2.0;      // odds: of static to moving, before any measurement
   double decisive_odds = 20.0;  // odds: posterior ones that decide, either way
-  double hidden_speed = 3.0;    // odds: of a static landmark at most (classification.h)
   std::map<std::string, double> own = own_numbers();
 };
 
-// Whether labels may be reverted, label_policy.h, and those of the first frame, first_frame.h.
+// Whether labels may be undone, modules/label_revision.h, and those of the first frame,
+// first_frame.h.
 struct LabelOptions {
   LabelRule rule = LabelRule::kReversible;
-  int window = 10;            // reversible: innovations in the test of a static label
-  double probability = 1e-4;  // reversible: of a right label being rejected in a frame
-  int sightings = 3;    // measurements of a landmark, its first included, until it is labelled
-  int memory = 60;      // reversible: frames for which a static landmark's motion is remembered
-  double pooled = 0.0;  // [px] within which tracks that move alike pool their evidence; 0: not
+  int sightings = 3;  // measurements of a landmark, its first included, until it is labelled
+  int memory = 60;    // reversible: frames for which a static landmark's motion is remembered
   FirstFrameLabels first_frame = FirstFrameLabels::kOdds;
-  int start = 1;        // odds: frames after which the first frame's labels are decided
   int start_over = 40;  // odds: frames in which one that is rejected starts the run over
 };
 
@@ -106,7 +103,7 @@ struct ModelOptions {
   LabelOptions labels;
   TrackPolicy policy;
   DepthPriorSource depth_prior = DepthPriorSource::kAuto;  // of new landmarks
-  bool adaptive_motion = true;  // the camera's noise, see loop/adaptive_noise.h
+  bool adaptive_motion = true;  // the camera's noise, see modules/camera_noise.h
 };
 
 }  // namespace slammot

@@ -25,12 +25,6 @@ void note_accepted(TrackRecord& record, int frame) {
   record.missed = 0;
 }
 
-void note_sightings(TrackRecord& record, std::span<const Sighting> sightings) {
-  record.first_frame = sightings.front().frame;
-  record.last_frame = sightings.back().frame;
-  record.observations = static_cast<int>(sightings.size());
-}
-
 void note_unused(TrackRecord& record, bool in_view) { record.missed += in_view; }
 
 void note_rejected(TrackRecord& record) { ++record.rejected_in_row; }
@@ -45,14 +39,28 @@ void note_decision(TrackRecord& record, Label label, int frame) {
 bool is_pruned(const TrackRecord& record, const TrackPolicy& policy) {
   if (record.rejected_in_row > policy.prune_after) return true;
   if (record.missed > policy.prune_missed_after) return true;
-  const bool kept_for_ever = record.label == Label::kStatic && policy.retain == Retain::kMap;
-  return !kept_for_ever && record.unused_frames > policy.prune_after;
+  return record.label != Label::kStatic && record.unused_frames > policy.prune_after;
 }
 
-std::size_t room_for(int landmarks, int visible, const TrackPolicy& policy) {
-  const int room = std::min(policy.max_landmarks - landmarks,
-                            policy.max_visible.value_or(kUsuallyVisible) - visible);
+std::size_t births_wanted(int visible, const TrackPolicy& policy) {
+  const int room = policy.max_visible.value_or(kUsuallyVisible) - visible;
   return static_cast<std::size_t>(std::max(room, 0));
+}
+
+void make_room(const TrackRecords& records, std::size_t births, const TrackPolicy& policy,
+               std::vector<int>& result) {
+  result.clear();
+  const auto most = static_cast<std::size_t>(policy.max_landmarks);
+  if (records.size() + births <= most) return;
+  for (const auto& [track, record] : records) {
+    if (record.label == Label::kStatic && record.unused_frames > 0) result.push_back(track);
+  }
+  const std::size_t surplus = std::min(records.size() + births - most, result.size());
+  const auto unseen = [&](int track) { return std::pair(-records.at(track).unused_frames, track); };
+  std::ranges::partial_sort(result, result.begin() + static_cast<std::ptrdiff_t>(surplus), {},
+                            unseen);
+  result.resize(surplus);
+  std::ranges::sort(result);
 }
 
 LandmarkEstimate report(const TrackRecord& record) {

@@ -3,58 +3,61 @@
 #include <algorithm>
 
 #include "estimation/loop/frame_loop.h"
-#include "filters/ekf_belief.h"
+#include "estimation/modules/label_revision.h"
 #include "models/points/initialisation.h"
 
 namespace slammot {
 
+namespace {
+
+// The gauge's errors are kept where Jacobians are taken at the estimate, once a frame.
+bool keeps_gauge(const EkfOptions& options) {
+  return options.gauge != Gauge::kNone && options.linearisation == FilterLinearisation::kStandard &&
+         options.iterations == 1;
+}
+
+bool has_second_order(const EkfOptions& options) {
+  return options.second_order && options.linearisation != FilterLinearisation::kIdeal;
+}
+
+std::string_view name_of(FilterLinearisation linearisation) {
+  constexpr std::string_view kNames[] = {"standard", "fej", "ideal"};
+  return kNames[static_cast<std::size_t>(linearisation)];
+}
+
+std::string without_effect(const EkfOptions& options) {
+  if (options.linearisation != FilterLinearisation::kStandard) {
+    return "ekf.linearisation=" + std::string(name_of(options.linearisation));
+  }
+  return "ekf.iterations=" + std::to_string(options.iterations);
+}
+
+}  // namespace
+
+void check_options(const EkfOptions& options) {
+  if (options.lag > 0 && options.linearisation == FilterLinearisation::kFej) {
+    throw std::invalid_argument("ekf.lag needs ekf.linearisation standard or ideal");
+  }
+}
+
 Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options)
     : setup_(setup),
       options_(options),
-      condition_(models.collapse == Collapse::kCondition),
-      threshold_given_others_(pixel_threshold(models.gate.given_others)),
       functions_(find_landmark(models.landmark, models.point)),
-      memory_(options.delayed ? 0 : motion_memory(models, functions_)),
-      linearisation_(options, functions_, setup.truth, !setup.known.empty()) {
-  if (options.deferred && options.linearisation == FilterLinearisation::kInvariant) {
-    throw std::invalid_argument(
-        "ekf.deferred cannot go with linearisation invariant, which changes passive rows at each "
-        "update");
-  }
-  if (options.deferred && linearisation_.scale()) {
-    throw std::invalid_argument(
-        "ekf.deferred cannot go with ekf.equivariant_scale, which changes passive rows at each "
-        "update");
-  }
-  if (options.deferred && functions_.motion != 3) {
-    throw std::invalid_argument("ekf.deferred needs a landmark model with a motion of 3 numbers");
-  }
+      condition_(models.collapse == Collapse::kCondition),
+      remembers_(motion_memory(models, functions_) > 0),
+      devices_{functions_, Linearisation(options.linearisation, functions_, setup.truth), {}} {
+  if (keeps_gauge(options)) devices_.gauge.emplace(options.gauge, functions_, !setup.known.empty());
+  if (has_second_order(options)) devices_.second_order = SecondOrder::kOwn;
   state_.camera = setup.initial.state;
   state_.covariance.append({}, setup.initial.sigmas().cwiseAbs2().asDiagonal().toDenseMatrix());
-  const bool corrects_clones = options.linearisation == FilterLinearisation::kStandard ||
-                               options.linearisation == FilterLinearisation::kIdeal;
-  if (options.lag > 0 && (options.deferred || !corrects_clones)) {
-    throw std::invalid_argument(
-        "ekf.lag needs linearisation standard or ideal, and no ekf.deferred");
-  }
-  if (options.delayed && options.linearisation == FilterLinearisation::kInvariant) {
-    throw std::invalid_argument(
-        "ekf.linearisation invariant cannot go with estimator delayed, whose pending landmarks "
-        "move "
-        "alone");
-  }
-  const bool is_standard = options.linearisation == FilterLinearisation::kStandard;
-  if (models.policy.probation > 1 && (options.deferred || !is_standard)) {
-    throw std::invalid_argument(
-        "policy.probation above 1 needs ekf.linearisation standard, and no ekf.deferred");
-  }
   const LandmarkPrior& prior = setup.prior;
   if (prior.mean_sigma > 0.0) {
     const Eigen::MatrixXd variance =
         Eigen::MatrixXd::Constant(1, 1, prior.mean_sigma * prior.mean_sigma);
     state_.scene = {prior.inverse_depth, state_.covariance.append({}, variance)};
   }
-  for (int i = 0; i < std::max(options.lag, models.policy.probation - 1); ++i) {
+  for (int i = 0; i < options.lag; ++i) {
     state_.clones.emplace_back().block = state_.covariance.append({}, Matrix6d::Zero());
   }
 }
@@ -62,39 +65,38 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
 // Thesis 2.1.1 for the camera, (2.5) for what may move; a static landmark is not predicted (3.1.3).
 void Ekf::predict(const Frame& frame, double dt, const MotionNoise& noise,
                   const TrackRecords& records) {
-  if (options_.deferred) divide(frame);
   frame_ = frame.index;
   ++frames_;
-  forget_motions();
   if (dt == 0.0) return;
+  state_.time += dt;
   if (!state_.clones.empty()) state_.clone_pose(clone_of(frames_ - 1));
-  const CameraState at = linearisation_.camera(state_);
+  const CameraState at = devices_.linearisation.camera(state_);
   camera_noise_ = camera_noise(noise, at, dt);
   state_.covariance.propagate({JointState::kCamera}, predict_jacobian(at, dt), camera_noise_);
   state_.camera = slammot::predict(state_.camera, dt);
   for (auto& [track, landmark] : state_.landmarks) {
     if (landmark.is_free()) predict_landmark(track, landmark, records.at(track).label, dt);
-    if (landmark.is_held()) predict_held(track, landmark, dt);
   }
-  linearisation_.predicted(state_, frame.index, dt);
+  devices_.linearisation.predicted(state_, frame.index, dt);
 }
 
 void Ekf::add_known(const KnownLandmark& known) {
-  const FilterAnchor& anchor = anchor_at(state_.pose(), frame_);
+  if (devices_.second_order == SecondOrder::kOwn) devices_.second_order = SecondOrder::kCommon;
+  const FilterAnchor& anchor = anchor_here();
   const NewKnownLandmark here = initialise_known(functions_.point, known, anchor.position);
-  const Eigen::MatrixXd J = linearisation_.known_birth(state_, known, frame_, here).J_y_position;
+  const Eigen::MatrixXd J =
+      devices_.linearisation.known_birth(state_, known, frame_, here).J_y_position;
   const double variance = known.sigma * known.sigma;
   const StateBlock block =
       state_.covariance.append({{anchor.block, -J}}, variance * J * J.transpose());
-  insert(known.track, frame_, here.y, block);
+  insert(known.track, here.y, block);
 }
 
 void Ekf::innovations(std::span<const Observation> measured, FrameInnovation& result) {
-  linearise(state_, linearisation_, setup_.camera, measured, innovation_);
+  linearise(state_, devices_, setup_.camera, measured, innovation_);
   result.z = innovation_.matches;
   result.nu = innovation_.nu;
   fill_HPHt(state_, innovation_, result.HPHt);
-  measured_ = result.z.size();
 }
 
 void Ekf::widen(double factor) {
@@ -104,39 +106,28 @@ void Ekf::widen(double factor) {
 }
 
 void Ekf::predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) {
-  state_.correct_passive();
   result.clear();
   for (const int track : tracks) {
-    const auto expected = predict_pixel(state_, linearisation_, setup_.camera, track);
+    const auto expected = predict_pixel(state_, devices_, setup_.camera, track);
     if (expected) result.push_back(*expected);
   }
 }
 
-// Depth and velocity of a mover stay uncertain for long, and move. What it says about the camera
-// through Jacobians taken there is overconfident (docs/consistency.md, "Movers and the camera").
-bool Ekf::moves_alone(Label label, std::ptrdiff_t static_measurements) const {
-  if (label == Label::kUnknown) return options_.delayed;
-  const bool relies_on_static = options_.static_enough > 0 &&
-                                linearisation_.movers_may_move_alone() &&
-                                static_measurements >= options_.static_enough;
-  return relies_on_static && label == Label::kMoving;
-}
-
-// One update for all, but for what moves only its own landmark, after the others.
-void Ekf::update(const TrackRecords& records, std::span<const Observation> accepted,
+// One update for all, but for what is considered only, after the others.
+void Ekf::update(std::span<const Observation> accepted, std::span<const int> considered,
                  StageListener& /*stages*/) {
-  for (const Observation& z : accepted) state_.landmarks.at(z.track).last_used = frames_;
-  const auto label = [&](const Observation& z) { return records.at(z.track).label; };
-  const auto static_measurements = std::ranges::count(accepted, Label::kStatic, label);
   counting_.clear();
-  pending_.clear();
+  considered_.clear();
   for (const Observation& z : accepted) {
-    (moves_alone(label(z), static_measurements) ? pending_ : counting_).push_back(z);
+    state_.landmarks.at(z.track).last_used = frames_;
+    const bool alone = std::ranges::binary_search(considered, z.track);
+    (alone ? considered_ : counting_).push_back(z);
   }
+  updates_ += counting_.empty() ? 0 : 1;
   keep(counting_, innovation_);
-  slammot::update(state_, linearisation_, setup_.camera, setup_.pixel_sigma, options_.iterations,
+  slammot::update(state_, devices_, setup_.camera, setup_.pixel_sigma, options_.iterations,
                   innovation_);
-  update_alone(state_, linearisation_, setup_.camera, pending_, setup_.pixel_sigma, alone_);
+  update_considered(state_, devices_, setup_.camera, considered_, setup_.pixel_sigma, alone_);
 }
 
 void Ekf::leave_one_out(std::vector<LeaveOneOut>& result) {
@@ -170,10 +161,10 @@ void Ekf::motions(std::span<const int> tracks, std::vector<MotionBelief>& result
 
 void Ekf::collapse(std::span<const int> tracks) {
   if (condition_) {
-    linearisation_.collapse(state_, tracks);
+    if (devices_.gauge) devices_.gauge->collapse(state_, tracks);
     condition_on_rest(tracks);
   }
-  for (const int track : tracks) state_.drop_motion(track);  // unless it is held
+  for (const int track : tracks) state_.drop_motion(track);  // unless it is constrained
 }
 
 void Ekf::free(int track, const LandmarkPrior& prior) {
@@ -187,35 +178,47 @@ void Ekf::remove(std::span<const int> tracks, const TrackRecords& /*records*/) {
 
 // Thesis 2.1.3, (2.7): y from pixel, rotation and prior, with its full cross-covariance.
 bool Ekf::add(const Observation& z, const LandmarkPrior& prior, bool is_free) {
-  return add(z, state_.pose(), frame_, prior, is_free);
-}
-
-bool Ekf::add(const Observation& z, const FilterPose& pose, int frame, const LandmarkPrior& prior,
-              bool is_free) {
-  const auto here = initialise(setup_.camera, functions_.point, pose.orientation, z.pixel,
+  const auto here = initialise(setup_.camera, functions_.point, state_.camera.orientation, z.pixel,
                                state_.scene ? state_.scene->inverse_depth : prior.inverse_depth);
   if (!here) return false;
-  const NewLandmark at = linearisation_.birth(state_, setup_.camera, z, frame, *here);
-  anchor_at(pose, frame);
-  insert(z.track, frame, here->y, append_new(z, at, pose, prior, is_free ? functions_.dim() : 3));
+  const NewLandmark at = devices_.linearisation.birth(state_, setup_.camera, z, frame_, *here);
+  anchor_here();
+  insert(z.track, here->y, append_new(z, at, prior, is_free ? functions_.dim() : 3));
   return true;
 }
 
-// Without a positive diagonal nothing that follows means anything; what is held has a negative one.
+// Without a positive diagonal nothing that follows means anything; that of a constrained motion is
+// negative.
 void Ekf::finish() {
   const auto diagonal = state_.covariance.diagonal();
-  const StateBlock adjoint = state_.passive.adjoint();  // no covariance stands there
-  const auto negative = [](const auto& d) { return (d.array() < 0.0).count(); };
-  Eigen::Index held = 0;
+  Eigen::Index negative = (diagonal.array() < 0.0).count();
   for (const auto& [track, landmark] : state_.landmarks) {
-    const StateBlock block = landmark.held_block;
-    if (landmark.is_held()) held += negative(diagonal.segment(block.offset, block.dim));
+    const StateBlock block = landmark.constrained_block;
+    negative -= (diagonal.segment(block.offset, block.dim).array() < 0.0).count();
   }
-  if (!diagonal.allFinite() || negative(diagonal.head(adjoint.offset)) +
-                                       negative(diagonal.tail(diagonal.size() - adjoint.end())) !=
-                                   held) {
+  if (!diagonal.allFinite() || negative != 0) {
     throw Diverged("the covariance has a negative or infinite variance");
   }
+}
+
+void Ekf::in_force(InForce& result) const {
+  const Gauge asked = options_.gauge;
+  const bool keeps = keeps_gauge(options_), second = has_second_order(options_);
+  const auto gauge = [&](const char* name, Gauge which) {
+    const bool is_on = keeps && asked == which;
+    const bool is_kept_off = asked == which && !keeps;
+    result.push_back({name, "ekf.gauge", is_on, is_kept_off ? without_effect(options_) : "",
+                      is_on ? updates_ : 0});
+  };
+  gauge("scale kept while the estimate moves", Gauge::kScale);
+  gauge("heading kept while the estimate moves", Gauge::kHeading);
+  result.push_back({"noise of second order", "ekf.second_order", second,
+                    options_.second_order && !second ? without_effect(options_) : "",
+                    second ? updates_ : 0});
+  const bool fej = options_.linearisation == FilterLinearisation::kFej;
+  result.push_back({"first-estimate Jacobians", "ekf.linearisation", fej, "", fej ? updates_ : 0});
+  const bool iterates = options_.iterations > 1;
+  result.push_back({"iterated update", "ekf.iterations", iterates, "", iterates ? updates_ : 0});
 }
 
 CameraEstimate Ekf::camera() const {
@@ -235,7 +238,6 @@ std::optional<PoseEstimate> Ekf::pose_before(int frames) const {
 }
 
 void Ekf::points(std::vector<LandmarkPoint>& result) {
-  state_.correct_passive();
   result.clear();
   for (const auto& [track, landmark] : state_.landmarks) {
     result.push_back({track, state_.anchors.at(landmark.anchor).position, landmark.y});
@@ -254,6 +256,7 @@ std::vector<LandmarkBelief> Ekf::landmarks(std::span<const int> tracks) const {
 
 std::unique_ptr<Estimator> make_ekf(const Setup& setup, const ModelOptions& models,
                                     const EkfOptions& options) {
+  check_options(options);
   return std::make_unique<FrameLoop>(
       setup, models, [=] { return std::make_unique<Ekf>(setup, models, options); },
       options.linearisation == FilterLinearisation::kIdeal ? setup.truth : nullptr);

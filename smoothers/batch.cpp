@@ -4,8 +4,7 @@
 #include "smoothers/graph/least_noise.h"
 #include "smoothers/graph/noise_scale.h"
 #include "smoothers/solver/ceres_solve.h"
-#include "smoothers/window/robust_loss.h"
-#include "smoothers/window/window_belief.h"
+#include "smoothers/window/window.h"
 
 namespace slammot {
 
@@ -27,8 +26,7 @@ class Batch final : public Estimator {
   Batch(const Setup& setup, const ModelOptions& models, const WindowOptions& front)
       : setup_(setup),
         functions_(find_landmark(models.landmark, models.point)),
-        loss_(make_loss(front.loss)),
-        graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get(),
+        graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_,
                 /*noise_tells_scale=*/true},  // as in the cost that Ceres minimises
                false) {
     if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);
@@ -38,7 +36,7 @@ class Batch final : public Estimator {
       window_ = window.get();
       return window;
     };
-    front_ = std::make_unique<FrameLoop>(setup, models, make_window, truth_of(setup, front));
+    front_ = std::make_unique<FrameLoop>(setup, models, make_window);
   }
 
   void keep_predictions() override { front_->keep_predictions(); }
@@ -51,6 +49,7 @@ class Batch final : public Estimator {
   std::optional<PoseEstimate> pose_before(int frames) const override {
     return front_->pose_before(frames);
   }
+  InForce in_force() const override { return front_->in_force(); }
   std::vector<LandmarkEstimate> landmarks() const override {
     return landmarks_ ? *landmarks_ : front_->landmarks();
   }
@@ -70,7 +69,6 @@ class Batch final : public Estimator {
 
   Setup setup_;
   const LandmarkFunctions& functions_;
-  std::unique_ptr<ceres::LossFunction> loss_;
   TrackHistories histories_;
   const Window* window_ = nullptr;  // in the front
   std::unique_ptr<FrameLoop> front_;

@@ -37,7 +37,6 @@ Configuration static_world(int window, const std::vector<std::string>& settings)
   configuration.model.depth_prior = DepthPriorSource::kFixed;
   configuration.model.gate = {1.0 - 1e-9, 1.0};
   configuration.model.adaptive_motion = false;
-  configuration.model.policy.retain = Retain::kVisible;
   configuration.model.policy.max_visible = 100000;
   configuration.model.policy.max_landmarks = 100000;
   configuration.window.frames = window;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "estimation/modules/consider.h"
+
 namespace slammot {
 
 namespace {
@@ -26,7 +28,10 @@ FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, MakeBelief 
       first_(models.labels),
       point_(find_point(models.point)),
       gate_(models.gate, setup.pixel_sigma),
+      policy_(models.policy),
       noise_(setup.camera_noise, false) {
+  // Jacobians at the truth need no such care.
+  if (truth_for_view_) policy_.movers = Movers::kJoint;
   start();
 }
 
@@ -34,7 +39,7 @@ void FrameLoop::start() {
   belief_ = make_belief_();
   manager_ = std::make_unique<LandmarkManager>(setup_, models_, first_, truth_for_view_);
   // A covariance at the truth must not depend on the estimate.
-  noise_ = AdaptiveNoise(setup_.camera_noise, models_.adaptive_motion && !truth_for_view_);
+  noise_ = AdaptiveCameraNoise(setup_.camera_noise, models_.adaptive_motion && !truth_for_view_);
   timestamp_.reset();
 }
 
@@ -43,24 +48,30 @@ FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
     throw std::invalid_argument("the time of a frame must be later than that of the one before");
   }
   first_.begin(frame);
-  if (first_.frames().empty()) return advance(frame, stages);
+  if (!first_.is_open()) return advance(frame, stages);
   const TrackRecords before = manager_->records();
   FrameReport report = advance(frame, stages);
-  const int frames = static_cast<int>(first_.frames().size());
-  const int unit = std::max(models_.labels.start, models_.labels.start_over);
-  const int most = std::min(kMostAnewInAFrame * unit, kMostAnew * unit - anew_);
-  for (int k = 1; k <= kMostRevisions && k * frames <= most; ++k) {
-    if (!first_.revise(manager_->records())) break;
-    anew_ += frames;
-    report = start_over(before, stages);
-  }
-  if (anew_ + frames > kMostAnew * unit) first_.close();
+  start_over(before, stages, report);
   return report;
+}
+
+// A label of the first frame must be undone: the frames so far are processed again without it, and
+// again while another is to be undone.
+void FrameLoop::start_over(const TrackRecords& before, StageListener& stages, FrameReport& report) {
+  const int frames = static_cast<int>(first_.frames().size());
+  const int most = std::min(kMostAnewInAFrame * models_.labels.start_over,
+                            kMostAnew * models_.labels.start_over - anew_);
+  for (int k = 1; undone_from_the_start_ && k <= kMostRevisions && k * frames <= most; ++k) {
+    first_.drop(*undone_from_the_start_);
+    anew_ += frames;
+    report = process_again(before, stages);
+  }
+  if (anew_ + frames > kMostAnew * models_.labels.start_over) first_.close();
 }
 
 // What is reported of the frames before is the end of those landmarks that were in the state
 // `before`.
-FrameReport FrameLoop::start_over(const TrackRecords& before, StageListener& stages) {
+FrameReport FrameLoop::process_again(const TrackRecords& before, StageListener& stages) {
   start();
   FrameReport report;
   std::vector<LandmarkEstimate> retired;
@@ -77,54 +88,68 @@ FrameReport FrameLoop::start_over(const TrackRecords& before, StageListener& sta
 
 FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   FrameReport report;
-  stages.begin("predict");
-  manager_->retire_leaving(*belief_, report);
   const double dt = time_since_last(frame);
-  const bool learns_noise = noise_.adapts() && dt > 0.0;
-  const CameraEstimate before = learns_noise ? belief_->camera() : CameraEstimate{};
+  const CameraEstimate before = timestamp_ ? belief_->camera() : CameraEstimate{};
+
+  // Predict camera and free landmarks; known landmarks enter.
+  stages.begin("predict");
+  manager_->forget_motions(*belief_);
   belief_->predict(frame, dt, noise_.of_next(), manager_->records());
   manager_->add_known(frame, *belief_, report);
-  manager_->end_probation(frame, *belief_, report);
 
+  // Gate the measurements of landmarks in the belief.
   stages.begin("gate");
   gate(frame, dt, report);
-
   if (keeps_predictions_) {
     stages.begin(StageListener::kPredictions);
     note_predictions(report);
   }
 
+  // Update with what passed; movers may be considered only.
   stages.begin("update");
-  belief_->update(manager_->records(), accepted_, stages);
+  find_considered(accepted_, manager_->records(), policy_, considered_);
+  belief_->update(accepted_, considered_, stages);
 
-  // Before labels change: these are marginals of the update.
+  // Read the update's marginals before labels change.
   stages.begin("marginals");
-  if (learns_noise) noise_.learn(before, belief_->camera(), dt);
+  look_at_marginals(before, dt);
+
+  // Classify what was measured.
+  stages.begin("classify");
+  manager_->record(frame.index, accepted_, unused_);
+  manager_->classify(frame.index, accepted_, *belief_);
+
+  // Collapse what is static now; undo static labels that are rejected.
+  stages.begin("collapse");
+  manager_->collapse(manager_->now_static(), *belief_);
+  undone_from_the_start_ = manager_->undo_labels(in_view_, *belief_);
+
+  // Prune landmarks and initialise new ones.
+  stages.begin("manage");
+  manager_->prune(frame.index, *belief_, report);
+  manager_->initialise_new(frame, *belief_, report);
+  belief_->finish();
+  count_what_is_left(report);
+  return report;
+}
+
+void FrameLoop::look_at_marginals(const CameraEstimate& before, double dt) {
+  considered_frames_ += considered_.empty() ? 0 : 1;
+  if (noise_.adapts() && dt > 0.0) noise_.learn(before, belief_->camera(), dt);
   if (manager_->watches_innovations()) {
     belief_->leave_one_out(given_others_);
     manager_->note_innovations(given_others_);
     manager_->note_innovations(rejected_);
   }
   manager_->look_at_depths(accepted_, *belief_);
+}
 
-  stages.begin("classify");
-  manager_->record(frame.index, accepted_, unused_);
-  const std::vector<int>& now_static = manager_->classify(frame.index, accepted_, *belief_);
-  stages.begin("collapse");
-  if (!now_static.empty()) belief_->collapse(now_static);
-  manager_->revert_labels(in_view_, *belief_);
-
-  stages.begin("manage");
-  manager_->prune(frame.index, *belief_, report);
-  manager_->initialise_new(frame, *belief_, report);
-  belief_->finish();
-
-  // Of what the frame leaves behind, like the size of the state.
+// Of what the frame leaves behind, like the size of the state.
+void FrameLoop::count_what_is_left(FrameReport& report) {
   report.state_size = belief_->state_size();
   belief_->points(points_);
   report.negative_inverse_depth = static_cast<int>(std::ranges::count_if(
       points_, [&](const LandmarkPoint& p) { return point_.inverse_depth(p.y) < 0.0; }));
-  return report;
 }
 
 double FrameLoop::time_since_last(const Frame& frame) {
@@ -135,10 +160,6 @@ double FrameLoop::time_since_last(const Frame& frame) {
 
 void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
   measured_.clear();
-  in_view_.clear();
-  accepted_.clear();
-  rejected_.clear();
-  unused_.clear();
   for (const Observation& z : frame.observations) {
     if (manager_->knows(z.track)) measured_.push_back(z);
   }
@@ -146,6 +167,14 @@ void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
   gate_.sort(innovation_);
   // What has entered at this frame's camera would not move with it.
   if (noise_.adapts() && dt > 0.0) follow_jolt(report.admitted == 0);
+  sort_by_gate(dt, report);
+}
+
+void FrameLoop::sort_by_gate(double dt, FrameReport& report) {
+  in_view_.clear();
+  accepted_.clear();
+  rejected_.clear();
+  unused_.clear();
   for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
     const Observation& z = innovation_.z[i];
     in_view_.push_back(z);
@@ -153,37 +182,35 @@ void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
       accepted_.push_back(z);
       report.accepted_static += manager_->records().at(z.track).label == Label::kStatic ? 1 : 0;
       report.nis_sum += gate_.nis(i);
-    } else {
-      unused_.push_back(z.track);
-      const double moved = moved_px(manager_->records().at(z.track), setup_.camera, dt);
-      if (!gate_.accepts_moved(innovation_, i, moved)) continue;
-      rejected_.push_back(
-          {z.track, gate_.accepts_alone(i) ? gate_.nis_given_others(i) : gate_.nis(i)});
+      continue;
     }
+    unused_.push_back(z.track);
+    refused_by_others_ += gate_.accepts_alone(i) ? 1 : 0;
+    const double moved = moved_px(manager_->records().at(z.track), setup_.camera, dt);
+    if (!gate_.accepts_moved(innovation_, i, moved)) continue;
+    rejected_.push_back(
+        {z.track, gate_.accepts_alone(i) ? gate_.nis_given_others(i) : gate_.nis(i)});
   }
   report.joint_nis = gate_.joint_nis();
   report.accepted = static_cast<int>(accepted_.size());
   report.rejected = static_cast<int>(unused_.size());
   report.out_of_view = static_cast<int>(measured_.size() - in_view_.size());
-  auto expected = in_view_.begin();
-  for (const Observation& z : measured_) {
-    if (expected != in_view_.end() && expected->track == z.track) {
-      ++expected;
-    } else {
-      unused_.push_back(z.track);
-    }
-  }
+  std::ranges::set_difference(measured_, in_view_, std::back_inserter(not_in_view_), {},
+                              &Observation::track, &Observation::track);
+  for (const Observation& z : not_in_view_) unused_.push_back(z.track);
+  not_in_view_.clear();
 }
 
-// The camera's step may have been noisier than was predicted (adaptive_noise.h).
+// The camera's step may have been noisier than was predicted (camera_noise.h).
 void FrameLoop::follow_jolt(bool may_widen) {
   const Agreement predicted = agreement();
-  const double factor = AdaptiveNoise::jolt(predicted.median_nis);
+  const double factor = AdaptiveCameraNoise::jolt(predicted.median_nis);
   bool most_agree = predicted.most_agree;
   if (factor > 1.0 && may_widen) {
     scale_step(factor);
     most_agree = agreement().most_agree;
     if (!most_agree) scale_step(1.0 / factor);
+    widened_ += most_agree ? 1 : 0;
   }
   if (most_agree) noise_.note(predicted.median_nis);
 }
@@ -231,6 +258,26 @@ void FrameLoop::note_predictions(FrameReport& report) {
                        [&](const Prediction& p) { return setup_.camera.in_image(p.pixel); });
   std::erase_if(report.predictions, [](const Prediction& p) { return !p.S.allFinite(); });
   std::ranges::sort(report.predictions, {}, &Prediction::track);
+}
+
+// The shared mechanisms, then the family's own.
+InForce FrameLoop::in_force() const {
+  InForce result;
+  const bool adapts = models_.adaptive_motion;
+  result.push_back({"camera noise that adapts", "motion.adaptive", noise_.adapts(),
+                    adapts && !noise_.adapts() ? "ekf.linearisation=ideal" : "",
+                    noise_.widened() + widened_});
+  const bool asks_others = models_.gate.given_others < 1.0;
+  result.push_back({"gate given all others", "gate.given_others", asks_others, "",
+                    asks_others ? refused_by_others_ : 0});
+  manager_->in_force(result);
+  const bool considers = policy_.movers == Movers::kConsidered;
+  const bool is_asked = models_.policy.movers == Movers::kConsidered;
+  result.push_back({"movers considered", "policy.movers", considers,
+                    is_asked && !considers ? "ekf.linearisation=ideal" : "",
+                    considers ? considered_frames_ : 0});
+  belief_->in_force(result);
+  return result;
 }
 
 CameraEstimate FrameLoop::camera() const {

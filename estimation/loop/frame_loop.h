@@ -9,8 +9,8 @@
 
 #include "estimation/belief.h"
 #include "estimation/gate.h"
-#include "estimation/loop/adaptive_noise.h"
 #include "estimation/loop/landmark_manager.h"
+#include "estimation/modules/camera_noise.h"
 
 namespace slammot {
 
@@ -36,6 +36,8 @@ class FrameLoop final : public Estimator {
     return belief_->smoothed();
   }
 
+  InForce in_force() const override;
+
   const TrackRecords& records() const { return manager_->records(); }
 
  private:
@@ -47,14 +49,18 @@ class FrameLoop final : public Estimator {
   };
 
   void start();
-  FrameReport start_over(const TrackRecords& before, StageListener& stages);
   FrameReport advance(const Frame& frame, StageListener& stages);
+  void start_over(const TrackRecords& before, StageListener& stages, FrameReport& report);
+  FrameReport process_again(const TrackRecords& before, StageListener& stages);
   double time_since_last(const Frame& frame);
   void gate(const Frame& frame, double dt, FrameReport& report);
+  void sort_by_gate(double dt, FrameReport& report);
   void follow_jolt(bool may_widen);
   void scale_step(double factor);
   Agreement agreement();
   void note_predictions(FrameReport& report);
+  void look_at_marginals(const CameraEstimate& before, double dt);
+  void count_what_is_left(FrameReport& report);
 
   Setup setup_;
   ModelOptions models_;
@@ -63,17 +69,23 @@ class FrameLoop final : public Estimator {
   FirstFrame first_;
   const PointFunctions& point_;
   FrameGate gate_;
+  TrackPolicy policy_;  // as it acts
   bool keeps_predictions_ = false;
 
   // Made anew when the run starts over.
   std::unique_ptr<Belief> belief_;
   std::unique_ptr<LandmarkManager> manager_;
-  AdaptiveNoise noise_;
+  AdaptiveCameraNoise noise_;
   std::optional<double> timestamp_;
+  std::optional<int> undone_from_the_start_;  // a track of the first frame, by the newest frame
+
+  // Of the whole run.
   int anew_ = 0;  // frames processed again
+  long widened_ = 0, considered_frames_ = 0, refused_by_others_ = 0;
 
   // Of the frame in hand; kept for their memory.
-  std::vector<Observation> measured_, in_view_, accepted_;
+  std::vector<Observation> measured_, in_view_, not_in_view_, accepted_;
+  std::vector<int> considered_;
   FrameInnovation innovation_;
   std::vector<LeaveOneOut> rejected_, given_others_;  // rejected ones that a motion explains
   std::vector<int> unused_;                           // tracks: rejected, or not expected in view

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "estimation/labels/pooled_motion.h"
 #include "models/landmarks/true_state.h"
 #include "models/points/observation.h"
 
@@ -18,20 +17,12 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
       depth_prior_(learns_depths(models.depth_prior, setup.initial, !setup.known.empty()),
                    setup.prior),
       truth_(std::move(truth_for_view)),
-      probation_(models.policy.probation),
-      first_(first) {
+      first_(first),
+      memory_(motion_memory(models, functions_)) {
   if (!functions_.point.exists(Eigen::Vector3d::UnitZ(), setup.prior.inverse_depth)) {
     throw std::invalid_argument("point " + models.point + " needs prior.inverse_depth above 0");
   }
   for (const KnownLandmark& known : setup.known) known_[known.track] = known;
-}
-
-// What was learnt of where it is leaves with the landmark; that it moves, or does not, is still
-// true.
-void LandmarkManager::retire_leaving(Belief& belief, FrameReport& report) {
-  belief.leaving(tracks_);
-  for (const int track : tracks_) labels_left_[track] = records_.at(track).label;
-  remove(belief, report);
 }
 
 void LandmarkManager::remove(Belief& belief, FrameReport& report) {
@@ -83,81 +74,101 @@ void LandmarkManager::look_at_depths(std::span<const Observation> accepted, Beli
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     note_depth(records_.at(tracks_[i]), depths_[i], models_.labels);
   }
-  if (depth_prior_.learns()) depth_prior_.learn(depths_);
+  if (!depth_prior_.learns()) return;
+  depth_prior_.learn(depths_);
+  learnt_ += depth_prior_.has_learnt() ? 1 : 0;
 }
 
 // Thesis 3.1.3, for every landmark measured in this frame whose label is open.
-const std::vector<int>& LandmarkManager::classify(int frame, std::span<const Observation> accepted,
-                                                  Belief& belief) {
+void LandmarkManager::classify(int frame, std::span<const Observation> accepted, Belief& belief) {
   tracks_.clear();
   now_static_.clear();
   for (const Observation& z : accepted) {
     if (is_asked(records_.at(z.track), models_.labels)) tracks_.push_back(z.track);
   }
   belief.motions(tracks_, motions_);
-  complete_motions(accepted);
+  complete_motions();
   for (const MotionBelief& motion : motions_) {
     TrackRecord& record = records_.at(motion.track);
+    const Label before = record.label;
     note_answer(record, answer(motion, record), frame);
+    answered_ += record.label != before ? 1 : 0;
     if (record.label == Label::kStatic) now_static_.push_back(motion.track);
   }
-  return now_static_;
 }
 
-// Only a landmark that was measured in this frame: nothing else can have been said against it.
-void LandmarkManager::revert_labels(std::span<const Observation> measured, Belief& belief) {
-  const TrackRecord* accused = nullptr;  // of the first frame, with no motion remembered
+void LandmarkManager::forget_motions(Belief& belief) {
+  tracks_.clear();
+  for (auto& [track, record] : records_) {
+    if (!record.is_remembered) continue;
+    if (is_forgotten(record, memory_)) tracks_.push_back(track);
+    ++record.remembered_frames;
+  }
+  for (const int track : tracks_) records_.at(track).is_remembered = false;
+  belief.forget_motions(tracks_);
+}
+
+void LandmarkManager::collapse(std::span<const int> tracks, Belief& belief) {
+  if (tracks.empty()) return;
+  for (const int track : tracks) {
+    TrackRecord& record = records_.at(track);
+    record.is_remembered = memory_ > 0;
+    record.rests_beyond_doubt = false;
+    record.remembered_frames = 0;
+  }
+  collapsed_ += std::ssize(tracks);
+  belief.collapse(tracks);
+}
+
+// Only of landmarks that were measured in this frame: nothing else can have contradicted a label.
+std::optional<int> LandmarkManager::undo_labels(std::span<const Observation> measured,
+                                                Belief& belief) {
   tracks_.clear();
   for (const Observation& z : measured) {
-    const TrackRecord& record = records_.at(z.track);
-    if (record.label == Label::kStatic) tracks_.push_back(z.track);
+    if (records_.at(z.track).label == Label::kStatic) tracks_.push_back(z.track);
   }
-  belief.held_motions(tracks_, motions_);
-  complete_motions(measured);
-  for (const int track : tracks_) {
-    TrackRecord& record = records_.at(track);
-    const bool is_remembered =
-        std::ranges::find(motions_, track, &MotionBelief::track) != motions_.end();
-    if (is_remembered || !is_rejected(record, models_.labels)) continue;
-    if (first_.holds(record)) {
-      if (accused == nullptr || log_tail(record) < log_tail(*accused)) accused = &record;
-      continue;
-    }
-    note_reverted(record);
-    belief.free(track, record.prior);
-  }
-  first_.accuse(accused == nullptr ? std::nullopt : std::optional(accused->track));
-  release_what_moved(belief);
-}
-
-// What is static and remembered: were its motion not held at rest, would the classifier say moving,
-// or do its innovations reject the label? Only the surest in a frame: what bends the map makes
-// others look moving, too.
-void LandmarkManager::release_what_moved(Belief& belief) {
-  double surest = 0.0;
-  TrackRecord* released = nullptr;
+  belief.constrained_motions(tracks_, motions_);
+  complete_motions();
+  answers_.clear();
   for (const MotionBelief& motion : motions_) {
     TrackRecord& record = records_.at(motion.track);
-    const double distance = mahalanobis_from_zero(motion.w, motion.covariance);
-    if (released != nullptr && distance <= surest) continue;
-    if (!is_rejected(record, models_.labels) && answer(motion, record) != Label::kMoving) continue;
-    surest = distance;
-    released = &record;
+    note_motion(record, motion);
+    answers_.push_back(classifier_->decide(motion, record.classifier_memory));
   }
-  if (released == nullptr) return;
-  if (first_.holds(*released)) return first_.accuse(released->track);
-  note_reverted(*released);
-  belief.release(released->track, released->prior);
+  find_undoing(records_, tracks_, motions_, answers_, undoing_);
+  return apply(undoing_, belief);
 }
 
-// With what the classifier asks besides; pooled with their neighbours' where that is wanted.
-void LandmarkManager::complete_motions(std::span<const Observation> measured) {
+// A label of the first frame is undone by processing the frames again, one at a time: the label
+// whose motion is remembered, else the one that innovations reject most clearly.
+std::optional<int> LandmarkManager::apply(const Undoing& undoing, Belief& belief) {
+  std::optional<int> from_the_start;
+  for (const int track : undoing.free) {
+    TrackRecord& record = records_.at(track);
+    if (!first_.holds(record)) {
+      note_reverted(record);
+      belief.free(track, record.prior);
+      ++undone_;
+    } else if (!from_the_start || log_tail(record) < log_tail(records_.at(*from_the_start))) {
+      from_the_start = track;
+    }
+  }
+  if (!undoing.release) return from_the_start;
+  TrackRecord& record = records_.at(*undoing.release);
+  if (first_.holds(record)) return undoing.release;
+  note_reverted(record);
+  belief.release(record.track, record.prior);
+  ++released_;
+  return from_the_start;
+}
+
+// With what the classifier asks besides.
+void LandmarkManager::complete_motions() {
   for (MotionBelief& motion : motions_) {
     const LandmarkPrior& prior = records_.at(motion.track).prior;
     motion.prior_sigmas = functions_.prior_sigmas(prior);
     motion.prior_velocity_sigma = prior.velocity_sigma();
   }
-  if (models_.labels.pooled > 0.0) pool_motions(measured, models_.labels.pooled, motions_);
 }
 
 Label LandmarkManager::answer(const MotionBelief& motion, TrackRecord& record) const {
@@ -192,72 +203,70 @@ void LandmarkManager::prune(int frame, Belief& belief, FrameReport& report) {
     if (record.unused_frames > 0) note_unused(record, expected_in_view(frame, camera, point));
     if (is_pruned(record, models_.policy)) tracks_.push_back(point.track);
   }
-  for (const int track : tracks_) labels_left_.erase(track);
   remove(belief, report);
 }
 
 TrackRecord LandmarkManager::record_at_birth(int track, int frame, const LandmarkPrior& prior) {
-  const auto left = labels_left_.find(track);
-  if (left != labels_left_.end()) return initialised(track, frame, left->second, prior);
   const Label given = classifier_->at_birth(track);
   if (given != Label::kUnknown || frame != first_frame_) {
     return initialised(track, frame, given, prior);
   }
   TrackRecord record = initialised(track, frame, first_.label(track), prior);
   record.by_rule = first_.is_rule();
-  if (record.decision_frame) record.decision_frame = first_.decision_frame(frame);
   return record;
 }
 
-void LandmarkManager::end_probation(const Frame& frame, Belief& belief, FrameReport& report) {
-  if (!probation_.is_on()) return;
-  const auto is_known = [&](const Observation& z) { return knows(z.track); };
-  const auto visible = std::ranges::count_if(frame.observations, is_known);
-  const auto room =
-      room_for(static_cast<int>(records_.size()), static_cast<int>(visible), models_.policy);
-  std::vector<Candidate> candidates;
-  std::map<int, TrackRecord> births;
-  for (const Observation& z : frame.observations) {
-    if (candidates.size() == room) break;
-    if (knows(z.track) || !probation_.is_passed(z.track)) continue;
-    TrackRecord record = record_at_birth(z.track, frame.index, depth_prior_.of_new());
-    candidates.push_back(
-        {z.track, probation_.sightings(z.track, frame.timestamp), record.prior, record.label});
-    note_sightings(record, candidates.back().sightings);
-    births[z.track] = std::move(record);
-  }
-  belief.add_seen(candidates, tracks_);
-  for (const int track : tracks_) {
-    probation_.forget(track);
-    births.erase(track);
-  }
-  report.admitted += static_cast<int>(births.size());
-  records_.merge(births);
-}
-
-// Thesis 2.1.3: undelayed, at the first pixel; or on probation.
+// Thesis 2.1.3: undelayed, at the first pixel.
 void LandmarkManager::initialise_new(const Frame& frame, Belief& belief, FrameReport& report) {
   unmatched_.clear();
   for (const Observation& z : frame.observations) {
     if (!knows(z.track)) unmatched_.push_back(z);
   }
-  if (probation_.is_on() && frame.index != first_frame_) {
-    return probation_.note(frame, unmatched_);
-  }
+  const std::size_t wanted = births_wanted(report.accepted, models_.policy);
+  if (unmatched_.size() > wanted) unmatched_.resize(wanted);
+  make_room(records_, unmatched_.size(), models_.policy, tracks_);
+  remove(belief, report);
+  const auto most = static_cast<std::size_t>(models_.policy.max_landmarks);
   const LandmarkPrior& prior = depth_prior_.of_new();
-  const auto room = room_for(static_cast<int>(records_.size()), report.accepted, models_.policy);
-  if (unmatched_.size() > room) unmatched_.resize(room);
   tracks_.clear();
   for (const Observation& z : unmatched_) {
+    if (records_.size() >= most) break;
     TrackRecord record = record_at_birth(z.track, frame.index, prior);
-    // A label that revise() may take back: its motion is remembered from the start.
-    const bool remembers = first_.holds(record) && motion_memory(models_, functions_) > 0;
+    // A label that may be undone from the start: its motion is remembered from the start.
+    const bool may_be_undone = first_.holds(record);
+    const bool remembers = may_be_undone && memory_ > 0;
+    born_open_ += may_be_undone ? 1 : 0;
     if (!belief.add(z, prior, record.label != Label::kStatic || remembers)) continue;
     if (remembers) tracks_.push_back(z.track);
     records_[z.track] = std::move(record);
     ++report.admitted;
   }
-  if (!tracks_.empty()) belief.collapse(tracks_);
+  collapse(tracks_, belief);
+}
+
+void LandmarkManager::in_force(InForce& result) const {
+  const LabelOptions& labels = models_.labels;
+  const ModelOptions& m = models_;
+  const bool reversible = labels.rule == LabelRule::kReversible;
+  const std::string no_memory = why_no_memory(m, functions_);
+  const bool can_move = functions_.can_move;
+  const std::string at_rest = can_move ? "" : "landmark=" + std::string(functions_.name);
+  const bool odds = m.classifier.name == "odds";
+  result.push_back({"labels by posterior odds", "classifier", odds && can_move, odds ? at_rest : "",
+                    odds ? answered_ : 0});
+  const bool by_odds = labels.first_frame == FirstFrameLabels::kOdds;
+  result.push_back({"first frame's labels undone from the start", "labels.first_frame", by_odds, "",
+                    born_open_});
+  const bool condition = m.collapse == Collapse::kCondition;
+  result.push_back({"rest used as a measurement", "collapse", condition && can_move,
+                    condition ? at_rest : "", condition ? collapsed_ : 0});
+  result.push_back({"labels undone by innovations", "labels", reversible, "", undone_});
+  const bool remembers = labels.memory > 0;
+  result.push_back({"labels undone by a remembered motion", "labels.memory", memory_ > 0,
+                    remembers ? no_memory : "", released_});
+  const bool learns = m.depth_prior != DepthPriorSource::kFixed;
+  result.push_back({"depth prior learnt from the map", "prior.source", depth_prior_.learns(),
+                    learns && !depth_prior_.learns() ? "nothing holds the scale" : "", learnt_});
 }
 
 std::vector<LandmarkEstimate> LandmarkManager::estimates(std::span<const int> tracks,

@@ -1,5 +1,5 @@
 // Landmarks from birth to pruning, the same for every estimator family: which measurements become
-// landmarks, how each is labelled, when a label is reverted, and when a landmark is pruned. It
+// landmarks, how each is labelled, when a label is undone, and when a landmark is pruned. It
 // holds the records and the policies; what is believed it asks of the belief.
 #pragma once
 
@@ -7,7 +7,8 @@
 #include <set>
 
 #include "estimation/belief.h"
-#include "estimation/labels/first_frame.h"
+#include "estimation/modules/first_frame.h"
+#include "estimation/modules/label_revision.h"
 
 namespace slammot {
 
@@ -22,28 +23,32 @@ class LandmarkManager {
   bool knows(int track) const { return records_.contains(track); }
 
   // In the order of the frame (frame_loop.cpp). `report` counts what happened.
-  void retire_leaving(Belief& belief, FrameReport& report);
+  void forget_motions(Belief& belief);
   void add_known(const Frame& frame, Belief& belief, FrameReport& report);
-  void record(int frame, std::span<const Observation> accepted, std::span<const int> unused);
   bool watches_innovations() const { return slammot::watches_innovations(models_.labels); }
   void note_innovations(std::span<const LeaveOneOut> innovations);
   void look_at_depths(std::span<const Observation> accepted, Belief& belief);
-  // Tracks whose probation ends with this frame become landmarks, before its measurements are
-  // gated.
-  void end_probation(const Frame& frame, Belief& belief, FrameReport& report);
-  // Returns the tracks that are static from now on.
-  const std::vector<int>& classify(int frame, std::span<const Observation> accepted,
-                                   Belief& belief);
-  void revert_labels(std::span<const Observation> measured, Belief& belief);
+  void record(int frame, std::span<const Observation> accepted, std::span<const int> unused);
+  // Into now_static(): the tracks that are static from now on.
+  void classify(int frame, std::span<const Observation> accepted, Belief& belief);
+  const std::vector<int>& now_static() const { return now_static_; }
+  // Free landmarks become static, (3.3).
+  void collapse(std::span<const int> tracks, Belief& belief);
+  // Static landmarks whose label must be undone are free again (label_revision.h). Returns one of
+  // the first frame that is to be undone from the start, which is for the loop to do.
+  std::optional<int> undo_labels(std::span<const Observation> measured, Belief& belief);
   void prune(int frame, Belief& belief, FrameReport& report);
   void initialise_new(const Frame& frame, Belief& belief, FrameReport& report);
+
+  // The shared mechanisms of labels, depths and births; see in_force.h.
+  void in_force(InForce& result) const;
 
   // The estimates of these landmarks, in this order.
   std::vector<LandmarkEstimate> estimates(std::span<const int> tracks, const Belief& belief) const;
 
  private:
-  void release_what_moved(Belief& belief);  // motions_
-  void complete_motions(std::span<const Observation> measured);
+  std::optional<int> apply(const Undoing& undoing, Belief& belief);
+  void complete_motions();  // motions_
   Label answer(const MotionBelief& motion, TrackRecord& record) const;
   void remove(Belief& belief, FrameReport& report);  // tracks_
   TrackRecord record_at_birth(int track, int frame, const LandmarkPrior& prior);
@@ -56,16 +61,18 @@ class LandmarkManager {
   DepthPrior depth_prior_;
   std::shared_ptr<const Truth> truth_;
   std::map<int, KnownLandmark> known_;  // stated, not measured yet
-  Probation probation_;
   FirstFrame& first_;
   std::optional<int> first_frame_;
   TrackRecords records_;
-  std::map<int, Label> labels_left_;  // of landmarks that the belief could not keep
+  int memory_;  // frames for which the motion of a static landmark is remembered
+  long undone_ = 0, released_ = 0, answered_ = 0, collapsed_ = 0, learnt_ = 0, born_open_ = 0;
 
   // Of the frame in hand; kept for their memory.
   std::vector<int> tracks_, now_static_;
   std::vector<SeenDepth> depths_;
   std::vector<MotionBelief> motions_;
+  std::vector<Label> answers_;
+  Undoing undoing_;
   std::vector<LandmarkPoint> points_;
   std::vector<Observation> unmatched_;
 };

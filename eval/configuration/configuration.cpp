@@ -57,8 +57,7 @@ Assignment parse_assignment(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1), 0};
 }
 
-void assign(Configuration& configuration, const Assignment& given) {
-  const Assignment assignment = with_present_names(given);
+void assign(Configuration& configuration, const Assignment& assignment) {
   refuse_gone(assignment);
   const auto& keys = configuration_keys();
   const auto key = std::find_if(keys.begin(), keys.end(),
@@ -74,6 +73,7 @@ void assign(Configuration& configuration, const Assignment& given) {
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(assignment.key + ": " + error.what());
   }
+  configuration.given.insert(assignment.key);
 }
 
 std::vector<Assignment> read_assignments(const std::filesystem::path& file) {
@@ -84,7 +84,6 @@ std::vector<Assignment> read_assignments(const std::filesystem::path& file) {
   std::vector<Assignment> assignments;
   int entries = 0;
   flatten(root, "", file, entries, assignments);
-  for (Assignment& assignment : assignments) assignment = with_present_names(assignment);
   refuse_repeated(assignments, file);
   return assignments;
 }

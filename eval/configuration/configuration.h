@@ -1,5 +1,4 @@
-// All settings of a run. One table of keys serves YAML files, `--set key=value`, `run.yaml`
-// and
+// All settings of a run. One table of keys serves YAML files, `--set key=value`, `run.yaml` and
 // `--help`; adding an option is one field and one row of that table (configuration_keys.cpp).
 //
 // Fields that override what the sequence states are optional: unset (text `sequence`) takes the
@@ -9,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -45,28 +45,23 @@ struct PriorConfiguration {
   PriorSpread spread = PriorSpread::kAuto;
 };
 
-struct InitialConfiguration {
-  std::optional<double> velocity_sigma;          // [m/s]
-  std::optional<double> angular_velocity_sigma;  // [rad/s]
-};
-
 // Frames of the sequence by their number, both ends included; last = -1 is the last one.
 struct FrameSelection {
   int first = 0;
   int last = -1;
-  int step = 1;
 };
 
 struct Configuration {
+  std::string preset = "default";  // preset.h
   ModelOptions model;
   EkfOptions ekf;
   WindowOptions window;
   MotionConfiguration motion;
   PriorConfiguration prior;
-  InitialConfiguration initial;
   std::optional<double> pixel_sigma;  // [px]
   FrameSelection frames;
   std::string python_options = "{}";  // keyword arguments of a Python estimator, as JSON
+  std::set<std::string> given = {};   // keys that assign() was given: no preset changes them
 };
 
 struct ConfigurationKey {
@@ -86,9 +81,6 @@ struct Assignment {
 
 // `key=value`; throws std::invalid_argument where there is no `=`.
 Assignment parse_assignment(const std::string& text);
-
-// A key or value of an earlier release by its present name. Old names are read for one release.
-Assignment with_present_names(Assignment assignment);
 
 // Throws std::invalid_argument for a key or value that is gone, and says what to use instead.
 void refuse_gone(const Assignment& assignment);

@@ -10,6 +10,7 @@
 #include "datasets/text/number.h"
 #include "eval/configuration/configuration.h"
 #include "eval/configuration/model_names.h"
+#include "eval/configuration/preset.h"
 
 namespace slammot {
 namespace {
@@ -26,10 +27,8 @@ constexpr Range kFromMinusOne{[](double x) { return x >= -1.0; }, "at least -1"}
 constexpr Range kFinite{[](double) { return true; }, "a finite number"};
 // Each past pose is six rows of the covariance.
 constexpr Range kPastPoses{[](double x) { return x >= 0.0 && x <= 500.0; }, "from 0 to 500"};
-constexpr Range kProbation{[](double x) { return x >= 1.0 && x <= 500.0; }, "from 1 to 500"};
 constexpr Range kUpToThousand{[](double x) { return x >= 1.0 && x <= 1000.0; }, "from 1 to 1000"};
 constexpr Range kUpToOne{[](double x) { return x > 0.0 && x <= 1.0; }, "above 0 and at most 1"};
-constexpr Range kInsideUnit{[](double x) { return x > 0.0 && x < 1.0; }, "between 0 and 1"};
 
 template <typename T>
 T parse_finite(const std::string& text) {
@@ -162,9 +161,6 @@ std::vector<ConfigurationKey> model_keys() {
              kPositive, SLAMMOT_FIELD(model.classifier.prior_odds)),
       number("classifier.decisive_odds", "odds: posterior ones that decide, either way", kAboveOne,
              SLAMMOT_FIELD(model.classifier.decisive_odds)),
-      number("classifier.hidden_speed",
-             "odds: largest sigma of a static landmark's velocity over that at first sight",
-             kPositive, SLAMMOT_FIELD(model.classifier.hidden_speed)),
       option<LabelRule>(
           "labels",
           "kept for ever (thesis), or reverted when innovations, a remembered motion or an "
@@ -173,29 +169,14 @@ std::vector<ConfigurationKey> model_keys() {
       number("labels.sightings",
              "measurements of a landmark, its first included, until it is labelled", kPositive,
              SLAMMOT_FIELD(model.labels.sightings)),
-      number("labels.window", "reversible: innovations in the test of a static label",
-             kUpToThousand, SLAMMOT_FIELD(model.labels.window)),
-      number("labels.probability", "reversible: of a right static label being rejected in a frame",
-             kInsideUnit, SLAMMOT_FIELD(model.labels.probability)),
       number("labels.memory",
              "reversible: frames for which what a static landmark's motion would be is remembered",
              kNotNegative, SLAMMOT_FIELD(model.labels.memory)),
-      number("labels.pooled",
-             "px within which tracks that move alike pool their evidence, as points of one object; "
-             "0: not",
-             kNotNegative, SLAMMOT_FIELD(model.labels.pooled)),
       option<FirstFrameLabels>(
           "labels.first_frame",
           "landmarks of the first frame: static until one is rejected, and then without it from "
           "the start (odds), static by rule (thesis, figure 4.5a), or unknown as later ones are",
           listed(kFirstFrameLabels), SLAMMOT_FIELD(model.labels.first_frame)),
-      number("labels.start",
-             "odds: frames after which the first frame's labels are decided together; below "
-             "labels.sightings all are static",
-             kPositive, SLAMMOT_FIELD(model.labels.start)),
-      number("labels.start_over",
-             "odds: frames in which a rejected label of the first frame starts the run over",
-             kPositive, SLAMMOT_FIELD(model.labels.start_over)),
       number("policy.max_landmarks", "landmarks in the state at once", kPositive,
              SLAMMOT_FIELD(model.policy.max_landmarks)),
       number(
@@ -203,18 +184,15 @@ std::vector<ConfigurationKey> model_keys() {
           "no births while so many are being measured; sequence: as many points as its front end "
           "looked for, 60 at least",
           kPositive, SLAMMOT_FIELD(model.policy.max_visible)),
-      number("policy.probation",
-             "frames in a row that measure a track until it becomes a landmark, with all its "
-             "measurements",
-             kProbation, SLAMMOT_FIELD(model.policy.probation)),
       number("policy.prune_after", "frames without a measurement until a landmark is pruned",
              kPositive, SLAMMOT_FIELD(model.policy.prune_after)),
       number("policy.prune_missed_after",
              "frames that should have shown a static landmark until it is pruned", kPositive,
              SLAMMOT_FIELD(model.policy.prune_missed_after)),
-      option<Retain>("policy.retain",
-                     "static landmarks stay in the map, or are pruned as others are",
-                     listed(kRetains), SLAMMOT_FIELD(model.policy.retain)),
+      option<Movers>("policy.movers",
+                     "moving landmarks correct the camera too (thesis), or only themselves where "
+                     "enough static ones are measured",
+                     listed(kMovers), SLAMMOT_FIELD(model.policy.movers)),
   };
 }
 
@@ -273,15 +251,10 @@ std::vector<ConfigurationKey> statement_keys() {
              "in which the velocity of one that is not known to move changes by its sigma at most "
              "[s]; 0: no bound",
              kNotNegative, SLAMMOT_FIELD(prior.steady_time)),
-      number("initial.velocity_sigma", "of the camera's first velocity [m/s]", kNotNegative,
-             SLAMMOT_FIELD(initial.velocity_sigma)),
-      number("initial.angular_velocity_sigma", "of its first angular velocity [rad/s]",
-             kNotNegative, SLAMMOT_FIELD(initial.angular_velocity_sigma)),
       number("frames.first", "number of the first frame used", kNotNegative,
              SLAMMOT_FIELD(frames.first)),
       number("frames.last", "number of the last frame used, -1: the sequence's last", kFromMinusOne,
              SLAMMOT_FIELD(frames.last)),
-      number("frames.step", "2 uses every second frame", kPositive, SLAMMOT_FIELD(frames.step)),
   };
 }
 
@@ -291,55 +264,44 @@ std::vector<ConfigurationKey> estimator_keys() {
                                   "Jacobians at the estimate, the first estimate, or the truth",
                                   {{"standard", FilterLinearisation::kStandard},
                                    {"fej", FilterLinearisation::kFej},
-                                   {"ideal", FilterLinearisation::kIdeal},
-                                   {"invariant", FilterLinearisation::kInvariant}},
+                                   {"ideal", FilterLinearisation::kIdeal}},
                                   SLAMMOT_FIELD(ekf.linearisation)),
       number("ekf.iterations", "1: EKF, more: iterated EKF", kUpToThousand,
              SLAMMOT_FIELD(ekf.iterations)),
       number("ekf.lag", "past poses that stay in the state, to be corrected by later frames",
              kPastPoses, SLAMMOT_FIELD(ekf.lag)),
-      number("ekf.static_enough",
-             "so many static landmarks measured, and moving ones correct only themselves; 0: never "
-             "(thesis). Not with ideal, invariant",
-             kNotNegative, SLAMMOT_FIELD(ekf.static_enough)),
-      flag("ekf.equivariant_scale",
-           "an update keeps what is known of the scale; false: thesis. With linearisation "
-           "standard, one iteration and no deferred updates",
-           SLAMMOT_FIELD(ekf.equivariant_scale)),
+      option<Gauge>(
+          "ekf.gauge",
+          "what an update keeps of a direction that no measurement tells; none: thesis",
+          {{"none", Gauge::kNone}, {"heading", Gauge::kHeading}, {"scale", Gauge::kScale}},
+          SLAMMOT_FIELD(ekf.gauge)),
       flag("ekf.second_order",
            "noise for the product of a static landmark's depth and the camera's translation",
            SLAMMOT_FIELD(ekf.second_order)),
-      flag("ekf.deferred",
-           "landmarks out of view are updated when they return; exact. Not with equivariant_scale",
-           SLAMMOT_FIELD(ekf.deferred)),
       number("window.frames", "camera states kept", kPositive, SLAMMOT_FIELD(window.frames)),
       number("window.iterations", "Gauss-Newton steps a frame at most", kUpToThousand,
              SLAMMOT_FIELD(window.iterations)),
       number("window.linearisation_error",
              "a step after which residuals are as predicted to so many sigma is the last",
              kPositive, SLAMMOT_FIELD(window.linearisation_error)),
-      option<WindowLinearisation>("window.linearisation",
-                                  "Jacobians at the estimate, the first estimate, or the truth",
-                                  {{"standard", WindowLinearisation::kStandard},
-                                   {"fej", WindowLinearisation::kFej},
-                                   {"ideal", WindowLinearisation::kIdeal}},
-                                  SLAMMOT_FIELD(window.linearisation)),
+      option<WindowLinearisation>(
+          "window.linearisation", "Jacobians at the estimate, or the first estimate",
+          {{"standard", WindowLinearisation::kStandard}, {"fej", WindowLinearisation::kFej}},
+          SLAMMOT_FIELD(window.linearisation)),
       option<WindowSolver>("window.solver",
                            "who minimises; ceres: until it converges (1000 iterations at most), "
                            "and slowly",
                            {{"own", WindowSolver::kOwn}, {"ceres", WindowSolver::kCeres}},
                            SLAMMOT_FIELD(window.solver)),
-      option<WindowPrior>(
-          "window.prior",
-          "what is known of a landmark when its first frame leaves is kept, or only "
-          "what it says of the cameras",
-          {{"landmarks", WindowPrior::kLandmarks}, {"cameras", WindowPrior::kCameras}},
-          SLAMMOT_FIELD(window.prior)),
-      flag("window.retest", "what is in the window meets the gate again in every frame",
-           SLAMMOT_FIELD(window.retest)),
-      option<Loss>("window.loss", "on the measurements",
-                   {{"none", Loss::kNone}, {"huber", Loss::kHuber}}, SLAMMOT_FIELD(window.loss)),
   };
+}
+
+ConfigurationKey preset_key() {
+  const std::string help = fmt::format(
+      "settings that every key of its own overrides; thesis: as in the thesis, with what it leaves "
+      "open as everywhere: {}",
+      fmt::join(preset_names(), ", "));
+  return {"preset", help, take_preset, [](const Configuration& c) { return c.preset; }};
 }
 
 ConfigurationKey python_key() {
@@ -370,7 +332,8 @@ std::vector<ConfigurationKey> own_keys() {
 
 const std::vector<ConfigurationKey>& configuration_keys() {
   static const std::vector<ConfigurationKey> keys = [] {
-    std::vector<ConfigurationKey> all = model_keys();
+    std::vector<ConfigurationKey> all = {preset_key()};
+    append(all, model_keys());
     append(all, statement_keys());
     append(all, estimator_keys());
     all.push_back(python_key());

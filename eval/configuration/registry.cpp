@@ -43,11 +43,12 @@ void true_labels(Configuration& c) {
 void ideal_covariance(Configuration& c) {
   true_labels(c);
   c.model.gate = {1.0, 1.0};
+  c.model.policy.movers = Movers::kJoint;
   c.ekf.linearisation = FilterLinearisation::kIdeal;
   c.model.depth_prior = DepthPriorSource::kFixed;
   c.prior.mean_sigma = 0.0;
 }
-void delayed(Configuration& c) { c.ekf.delayed = true; }
+void delayed(Configuration& c) { c.model.policy.delayed = true; }
 
 using enum EstimatorKind;
 
@@ -90,11 +91,10 @@ const EstimatorRow& find_python(const std::string& name, const PythonClass& pyth
   return asked.emplace(name, python_row(name, python)).first->second;
 }
 
-// The options that estimators of this kind have.
+// Smoothers cannot be.
 bool linearised_at_the_truth(EstimatorKind kind, const Configuration& c) {
   const bool smooths = kind == kSmoother || kind == kBatch;
-  return smooths ? c.window.linearisation == WindowLinearisation::kIdeal
-                 : c.ekf.linearisation == FilterLinearisation::kIdeal;
+  return !smooths && c.ekf.linearisation == FilterLinearisation::kIdeal;
 }
 
 }  // namespace

@@ -5,12 +5,12 @@
 #include <algorithm>
 
 #include "estimation/classification.h"
-#include "estimation/depth_prior.h"
+#include "estimation/modules/depth_prior.h"
 
 namespace slammot {
 namespace {
 
-InitialCamera initial_camera(const Sequence& sequence, const InitialConfiguration& overrides) {
+InitialCamera initial_camera(const Sequence& sequence) {
   InitialCamera initial;
   if (sequence.initial) {
     initial = *sequence.initial;
@@ -18,9 +18,6 @@ InitialCamera initial_camera(const Sequence& sequence, const InitialConfiguratio
     initial.state.position = sequence.truth.front()->position;
     initial.state.orientation = sequence.truth.front()->orientation;
   }
-  initial.velocity_sigma = overrides.velocity_sigma.value_or(initial.velocity_sigma);
-  initial.angular_velocity_sigma =
-      overrides.angular_velocity_sigma.value_or(initial.angular_velocity_sigma);
   return initial;
 }
 
@@ -117,7 +114,7 @@ std::shared_ptr<const Truth> truth_of(const Sequence& sequence) {
 
 Sequence selected(Sequence sequence, const FrameSelection& frames) {
   const std::string name = sequence.name;
-  Sequence result = select_frames(std::move(sequence), frames.first, frames.last, frames.step);
+  Sequence result = select_frames(std::move(sequence), frames.first, frames.last, 1);
   if (result.frames.empty()) {
     throw std::invalid_argument("frames.first and frames.last leave no frame of " + name);
   }
@@ -129,14 +126,13 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
   setup.camera = sequence.camera;
   setup.pixel_sigma = configuration.pixel_sigma.value_or(sequence.pixel_sigma);
   setup.camera_noise = motion_noise(sequence, configuration.motion);
-  setup.initial = initial_camera(sequence, configuration.initial);
+  setup.initial = initial_camera(sequence);
   setup.prior = landmark_prior(sequence, setup.initial, configuration);
   setup.known = sequence.known;
   for (const auto& [track, landmark] : sequence.landmarks) {
     setup.true_labels[track] = landmark.label;
   }
-  if (configuration.ekf.linearisation == FilterLinearisation::kIdeal ||
-      configuration.window.linearisation == WindowLinearisation::kIdeal) {
+  if (configuration.ekf.linearisation == FilterLinearisation::kIdeal) {
     setup.truth = truth_of(sequence);
   }
   return setup;
@@ -180,7 +176,6 @@ Configuration resolved(const Sequence& sequence, const Setup& setup, Configurati
       setup.prior.jerk,
       setup.prior.steady_time,
       setup.prior.spread_follows_mean ? PriorSpread::kRelative : PriorSpread::kFixed};
-  configuration.initial = {setup.initial.velocity_sigma, setup.initial.angular_velocity_sigma};
   return configuration;
 }
 

@@ -107,6 +107,7 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
   RunMetrics metrics;
   metrics.diverged = run.diverged;
   metrics.warnings = run.warnings;
+  metrics.in_force = run.in_force;
   metrics.filtered = trajectory_metrics(sequence, run.filtered);
   metrics.batch = run.batch;
   if (run.batch || !run.smoothed.empty()) {

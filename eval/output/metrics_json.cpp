@@ -168,11 +168,40 @@ std::vector<RunWarning> warnings_of(const Json& json) {
   return warnings;
 }
 
+namespace {
+
+constexpr const char *kOn = "on", *kOff = "off";
+
+}  // namespace
+
+Json json_of(const InForce& in_force) {
+  Json json = Json::array();
+  for (const Mechanism& m : in_force) {
+    json.push_back({{"name", m.name},
+                    {"key", m.key},
+                    {"state", m.is_on ? kOn : kOff},
+                    {"because", m.because},
+                    {"acted", m.acted}});
+  }
+  return json;
+}
+
+InForce in_force_of(const Json& json) {
+  InForce in_force;
+  for (const Json& m : json) {
+    const auto text = [&](const char* key) { return printable(m.at(key).get<std::string>()); };
+    in_force.push_back({text("name"), text("key"), text("state") == kOn, text("because"),
+                        count_of(m.at("acted"))});
+  }
+  return in_force;
+}
+
 Json metrics_json(const RunMetrics& m) {
   Json json = Json::object();
   json["diverged"] = m.diverged.has_value();
   json["divergence"] = json_of(m.diverged);
   json["warnings"] = json_of(m.warnings);
+  if (m.in_force) json["in_force"] = json_of(*m.in_force);
   json["failed"] = m.failed.has_value();
   json["failed_at"] = m.failed ? Json(*m.failed) : Json();
   json["filtered"] = trajectory_json(m.filtered);
@@ -205,6 +234,7 @@ void restore_totals(const Json& metrics, RunResult& run) {
   run.smoothing_ms = plausible_number(metrics.at("runtime").at("smoothing_ms"), kLargest);
   run.diverged = divergence_of(metrics.at("divergence"));
   run.warnings = warnings_of(metrics.at("warnings"));
+  if (metrics.contains("in_force")) run.in_force = in_force_of(metrics["in_force"]);
 }
 
 Json values_json(const std::vector<MetricValue>& values,

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "datasets/output/output_files.h"
+#include "eval/configuration/preset.h"
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_json.h"
 #include "eval/output/run_files.h"
@@ -122,7 +123,29 @@ void write_provenance(YAML::Emitter& yaml, const Provenance& made_by) {
   yaml << YAML::EndMap;
 }
 
-void write_description(std::ostream& out, const RunDescription& d) {
+void write_in_force(YAML::Emitter& yaml, const InForce& in_force) {
+  yaml << YAML::Key << "in_force" << YAML::Value << YAML::BeginSeq;
+  for (const Json& mechanism : json_of(in_force)) {
+    yaml << YAML::Flow << YAML::BeginMap;
+    for (const auto& [key, value] : mechanism.items()) {
+      yaml << YAML::Key << key << YAML::Value
+           << (value.is_string() ? value.get<std::string>() : value.dump());
+    }
+    yaml << YAML::EndMap;
+  }
+  yaml << YAML::EndSeq;
+}
+
+void write_left_open(YAML::Emitter& yaml, const Configuration& configuration) {
+  const auto open = left_open_by_the_thesis(configuration);
+  if (open.empty()) return;
+  yaml << YAML::Key << "left_open_by_the_thesis" << YAML::Value << YAML::BeginMap;
+  for (const auto& [key, how] : open) yaml << YAML::Key << key << YAML::Value << how;
+  yaml << YAML::EndMap;
+}
+
+void write_description(std::ostream& out, const RunDescription& d,
+                       const std::optional<InForce>& in_force) {
   const Path sequence = d.sequence.empty() ? d.sequence : std::filesystem::absolute(d.sequence);
   YAML::Emitter yaml;
   yaml << YAML::BeginMap << YAML::Key << "format" << YAML::Value << run_files::kFormat;
@@ -144,6 +167,8 @@ void write_description(std::ostream& out, const RunDescription& d) {
   }
   yaml << YAML::EndMap;
   yaml << YAML::Key << "from_sequence" << YAML::Value << YAML::Flow << d.from_sequence;
+  write_left_open(yaml, d.configuration);
+  if (in_force) write_in_force(yaml, *in_force);
   yaml << YAML::EndMap;
   out << yaml.c_str() << '\n';
 }
@@ -186,7 +211,7 @@ void write_run(const Path& folder, const RunDescription& description, const RunR
   std::filesystem::create_directories(folder);
   OutputFiles files;
   files.write(folder / run_files::kDescription,
-              [&](std::ostream& out) { write_description(out, description); });
+              [&](std::ostream& out) { write_description(out, description, run.in_force); });
   Json json = metrics_json(metrics);
   json["provenance"] = json_of(description.made_by);
   add_results(files, folder, run, json);

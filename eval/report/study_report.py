@@ -48,7 +48,7 @@ def page(output):
     figures = study_figures.draw_all(summary, output / "figures")
     return rendered(
         "study.html", "view.js", view if view and view["runs"] else None,
-        summary=summary, tables=tables, study_verdict=study_verdict,
+        summary=summary, tables=tables, study_verdict=study_verdict, study_tables=study_tables,
         figures=[(f.title, f.caption, inline(f.png)) for f in figures])
 
 

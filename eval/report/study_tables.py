@@ -87,6 +87,23 @@ def is_ideal(cell):
     return cell["kind"] == "ideal_covariance"
 
 
+def acting(cell, name):
+    """What became of a mechanism beyond the thesis in the runs of a cell: (text, why it is off)."""
+    found = next((m for m in cell.get("in_force", []) if m["name"] == name), None)
+    if found is None:
+        return ("states nothing" if cell.get("in_force") == [] else "–"), ""
+    if not found["on"]:
+        return "off", found["because"]
+    runs = "" if found["on"] == found["runs"] else f" in {found['on']} of {found['runs']}"
+    return f"on{runs}, {found['acted']}", found["because"]
+
+
+def in_force(group):
+    """(name, key, what became of it in each cell) of every mechanism that a run of the group states."""
+    keys = {m["name"]: m["key"] for cell in group["cells"] for m in cell.get("in_force", [])}
+    return [(name, key, [acting(cell, name) for cell in group["cells"]]) for name, key in keys.items()]
+
+
 def cells_of(summary):
     for group in summary["groups"]:
         for cell in group["cells"]:

@@ -178,6 +178,28 @@ def labelled(runs):
     return [run for run in runs if run.labels or classification(run)]
 
 
+@dataclass
+class Acting:
+    """What became of a mechanism beyond the thesis in a run."""
+    text: str
+    because: str = ""
+
+
+def acting(run, name):
+    stated = run.metrics["in_force"]
+    found = next((m for m in stated if m["name"] == name), None)
+    if found is None:
+        return Acting(UNDEFINED if stated else "states nothing")
+    return Acting(f"on, {found['acted']}") if found["state"] == "on" else Acting("off", found["because"])
+
+
+def in_force(runs):
+    """(runs that state what is in force, rows of (name, key, an Acting for each)); runs made elsewhere state nothing."""
+    stating = [run for run in runs if run.metrics.get("in_force") is not None]
+    keys = {m["name"]: m["key"] for run in stating for m in run.metrics["in_force"]}
+    return stating, [(name, key, [acting(run, name) for run in stating]) for name, key in keys.items()]
+
+
 def configured(runs):
     """Not those made elsewhere, of which nothing is known."""
     return [run for run in runs if run.configuration]

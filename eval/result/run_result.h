@@ -104,6 +104,7 @@ struct RunResult {
   FrameCounts totals;
   std::optional<Divergence> diverged;
   std::vector<RunWarning> warnings;
+  std::optional<InForce> in_force;  // empty: the estimator states none; unset: made elsewhere
 
   // What the run is judged by.
   const std::vector<CameraEstimate>& judged() const { return batch ? smoothed : filtered; }

@@ -142,6 +142,7 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
   } catch (const Diverged& diverged) {
     result.diverged = {frame_index, diverged.what()};
   }
+  result.in_force = estimator.in_force();
   result.landmarks = history.latest();
   result.classification = history.classification();
   result.samples = history.samples();

@@ -178,6 +178,7 @@ Json result_json(const Study& study, std::uint64_t seed, const Sequence& sequenc
   json["diverged"] = json_of(run.diverged);
   json["lost_at"] = metrics.failed ? Json(*metrics.failed) : Json();
   json["warnings"] = json_of(metrics.warnings);
+  if (metrics.in_force) json["in_force"] = json_of(*metrics.in_force);
   json["filtered"] = values_json(metrics.filtered.values, depends_on_the_seed);
   json["smoothed"] =
       metrics.smoothed ? values_json(metrics.smoothed->values, depends_on_the_seed) : Json();

@@ -41,7 +41,7 @@ Json landmark_json(const LandmarkEstimate& l, const Similarity& s) {
 Json run_json(const Study& study, const StudyCell& cell) {
   const FrameSelection& frames = cell.configuration.frames;
   const Sequence sequence =
-      select_frames(study_sequence(cell, study.first_seed), frames.first, frames.last, frames.step);
+      select_frames(study_sequence(cell, study.first_seed), frames.first, frames.last, 1);
   DriveOptions options;
   options.landmarks_every_frame = true;
   const RunResult run = run_estimator(sequence, cell.configuration, cell.estimator, options);

@@ -145,26 +145,6 @@ void JointCovariance::add(StateBlock a, StateBlock b, const Block& M) {
   }
 }
 
-StateBlock JointCovariance::append_rows(const Eigen::MatrixXd& cross, const Eigen::MatrixXd& own) {
-  const StateBlock added{size_, static_cast<int>(own.rows())};
-  reserve(added.end());
-  storage_.block(0, added.offset, size_, added.dim) = cross;
-  storage_.block(added.offset, added.offset, added.dim, added.dim) = own;
-  size_ += added.dim;
-  return added;
-}
-
-Eigen::MatrixXd JointCovariance::multiply(StateBlock b, const Eigen::MatrixXd& x) const {
-  const int after = size_ - b.end();
-  Eigen::MatrixXd product(size_, x.cols());
-  product.topRows(b.offset).noalias() = storage_.block(0, b.offset, b.offset, b.dim) * x;
-  product.middleRows(b.offset, b.dim).noalias() =
-      storage_.block(b.offset, b.offset, b.dim, b.dim).selfadjointView<Eigen::Upper>() * x;
-  product.bottomRows(after).noalias() =
-      storage_.block(b.offset, b.end(), b.dim, after).transpose() * x;
-  return product;
-}
-
 // By runs of columns, each down to the diagonal.
 void JointCovariance::add_product(Eigen::Ref<const Eigen::MatrixXd> A,
                                   Eigen::Ref<const Eigen::MatrixXd> B) {
@@ -174,18 +154,6 @@ void JointCovariance::add_product(Eigen::Ref<const Eigen::MatrixXd> A,
     storage_.block(0, first, end, run).noalias() +=
         A.leftCols(end).transpose() * B.middleCols(first, run);
   }
-}
-
-void JointCovariance::assign(const Eigen::MatrixXd& values) {
-  size_ = 0;
-  reserve(static_cast<int>(values.rows()));
-  size_ = static_cast<int>(values.rows());
-  storage_.topLeftCorner(size_, size_) = values;
-}
-
-void JointCovariance::clear(StateBlock b) {
-  storage_.block(0, b.offset, b.end(), b.dim).setZero();
-  storage_.block(b.offset, b.offset, b.dim, size_ - b.offset).setZero();
 }
 
 void JointCovariance::propagate(std::initializer_list<StateBlock> b, const Block& F,
@@ -201,28 +169,22 @@ void JointCovariance::transform(std::initializer_list<StateBlock> b, const Block
   propagate(b, J, Block::Zero(J.rows(), J.rows()));
 }
 
-void JointCovariance::add_dependence(StateBlock b, const Eigen::MatrixXd& B) {
-  // P + B P_b' + P_b B' + B P_bb B' = P + B C' + C B'
-  Eigen::MatrixXd C(size_, b.dim);
-  columns(b, C);
-  C += 0.5 * B * block(b, b);
+void JointCovariance::add_dependence(Eigen::Ref<const Eigen::MatrixXd> L,
+                                     Eigen::Ref<const Eigen::MatrixXd> M) {
+  // P + M (P L)' + (P L) M' + M (L'P L) M' = P + M C' + C M'
+  gathered_.resize(size_, L.cols());
+  auto C = *gathered_;
+  multiply(L, C);
+  const Block half = 0.5 * L.transpose().lazyProduct(C);
+  C.noalias() += M.lazyProduct(half);
   auto P = storage_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>();
-  for (int j = 0; j < b.dim; ++j) P.rankUpdate(B.col(j), C.col(j));
+  for (Eigen::Index j = 0; j < L.cols(); ++j) P.rankUpdate(M.col(j), C.col(j));
 }
 
-void JointCovariance::add_dependence(Eigen::Ref<const Eigen::VectorXd> l,
-                                     Eigen::Ref<const Eigen::VectorXd> m) {
-  // P + m (P l)' + (P l) m' + m (l'P l) m' = P + m c' + c m'
-  gathered_.resize(size_, 1);
-  auto c = (*gathered_).col(0);
-  multiply(l, c);
-  c += 0.5 * l.dot(c) * m;
-  storage_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>().rankUpdate(m, c);
-}
-
-void JointCovariance::multiply(Eigen::Ref<const Eigen::VectorXd> l,
-                               Eigen::Ref<Eigen::VectorXd> out) const {
-  out.noalias() = storage_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>() * l;
+void JointCovariance::multiply(Eigen::Ref<const Eigen::MatrixXd> L,
+                               Eigen::Ref<Eigen::MatrixXd> out) const {
+  const auto P = storage_.topLeftCorner(size_, size_).selfadjointView<Eigen::Upper>();
+  for (Eigen::Index j = 0; j < L.cols(); ++j) out.col(j).noalias() = P * L.col(j);
 }
 
 void JointCovariance::subtract_outer(Eigen::Ref<const Eigen::MatrixXd> W) {

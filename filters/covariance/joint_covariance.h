@@ -16,11 +16,10 @@
 
 namespace slammot {
 
-// A run of rows (and columns) of P; of the passive map's P where it is `passive` (passive_map.h).
+// A run of rows (and columns) of P.
 struct StateBlock {
   int offset = 0;
   int dim = 0;
-  bool passive = false;
   int end() const { return offset + dim; }
 };
 
@@ -54,12 +53,6 @@ class JointCovariance {
   };
   StateBlock append(const std::vector<Dependence>& dependences, const Block& R);
 
-  // The same with its rows given: P[:, new] and P[new, new].
-  StateBlock append_rows(const Eigen::MatrixXd& cross, const Eigen::MatrixXd& own);
-
-  // P[:, b] x, for a block of any size.
-  Eigen::MatrixXd multiply(StateBlock b, const Eigen::MatrixXd& x) const;
-
   // P := P + A' B, which must be symmetric.
   void add_product(Eigen::Ref<const Eigen::MatrixXd> A, Eigen::Ref<const Eigen::MatrixXd> B);
 
@@ -69,26 +62,17 @@ class JointCovariance {
   // P[a, b] := P[a, b] + M with its mirror, of two different blocks.
   void add(StateBlock a, StateBlock b, const Block& M);
 
-  // P := values.
-  void assign(const Eigen::MatrixXd& values);
-
-  // P[:, b] := 0 with its mirror.
-  void clear(StateBlock b);
-
   // e_b := F e_b + noise of covariance Q, b being these blocks one after the other.
   void propagate(std::initializer_list<StateBlock> b, const Block& F, const Block& Q);
 
   // e_b := J e_b; the change of coordinates after an update (see joint_state.h).
   void transform(std::initializer_list<StateBlock> b, const Block& J);
 
-  // e := e + B e_b for the whole state; B has the state's rows, zero in those of b.
-  void add_dependence(StateBlock b, const Eigen::MatrixXd& B);
+  // e := e + M (L'e), for the whole state; L and M are n x k, k small.
+  void add_dependence(Eigen::Ref<const Eigen::MatrixXd> L, Eigen::Ref<const Eigen::MatrixXd> M);
 
-  // e := e + m (l'e), for the whole state.
-  void add_dependence(Eigen::Ref<const Eigen::VectorXd> l, Eigen::Ref<const Eigen::VectorXd> m);
-
-  // P l, into `out`.
-  void multiply(Eigen::Ref<const Eigen::VectorXd> l, Eigen::Ref<Eigen::VectorXd> out) const;
+  // P L, into `out`.
+  void multiply(Eigen::Ref<const Eigen::MatrixXd> L, Eigen::Ref<Eigen::MatrixXd> out) const;
 
   // P := P - W W', W n x k, through one symmetric rank-k update.
   void subtract_outer(Eigen::Ref<const Eigen::MatrixXd> W);

@@ -14,18 +14,16 @@ void JointState::move(Eigen::Ref<const Eigen::VectorXd> dx) {
     clone.orientation = clone.orientation * exp_so3(turn);
   }
   for (auto& [frame, anchor] : anchors) {
-    if (!anchor.block.passive) anchor.position += dx.segment<3>(anchor.block.offset);
+    anchor.position += dx.segment<3>(anchor.block.offset);
   }
   for (auto& [track, landmark] : landmarks) {
-    if (landmark.is_passive()) continue;
     landmark.y += dx.segment<3>(landmark.y_block.offset);
     if (landmark.is_free()) landmark.w += dx.segment(landmark.w_block.offset, landmark.w_block.dim);
-    if (landmark.is_held()) {
-      landmark.held += dx.segment(landmark.held_block.offset, landmark.held_block.dim);
+    if (landmark.is_constrained()) {
+      const StateBlock block = landmark.constrained_block;
+      landmark.information += dx.segment(block.offset, block.dim);
     }
   }
-  if (!passive.empty())
-    passive.correct(dx.segment(passive.adjoint().offset, passive.adjoint().dim));
 }
 
 void JointState::correct(Eigen::Ref<const Eigen::VectorXd> dx) {
@@ -48,43 +46,65 @@ void JointState::clone_pose(FilterPose& clone) {
 
 void JointState::follow(StateBlock from, StateBlock to) {
   const auto moved = [&](StateBlock& b) {
-    if (b.offset == from.offset && b.passive == from.passive) b = to;
+    if (b.offset == from.offset) b = to;
   };
   for (auto& [frame, anchor] : anchors) moved(anchor.block);
   for (auto& [track, landmark] : landmarks) {
     moved(landmark.y_block);
     if (landmark.is_free()) moved(landmark.w_block);
-    if (landmark.is_held()) moved(landmark.held_block);
+    if (landmark.is_constrained()) moved(landmark.constrained_block);
   }
 }
 
 bool JointState::is_last(int dim) const {
   const int end = covariance.size();
-  const auto ends_it = [&](StateBlock b) { return !b.passive && b.end() == end && b.dim == dim; };
+  const auto ends_it = [&](StateBlock b) { return b.end() == end && b.dim == dim; };
   return std::ranges::any_of(anchors, [&](const auto& a) { return ends_it(a.second.block); }) ||
          std::ranges::any_of(landmarks, [&](const auto& l) {
            return ends_it(l.second.y_block) || ends_it(l.second.w_block) ||
-                  ends_it(l.second.held_block);
+                  ends_it(l.second.constrained_block);
          });
 }
 
 // The last block moves into its place; where that has another size, all rows behind it move up.
 void JointState::remove_block(StateBlock block) {
-  if (!block.passive && !is_last(block.dim)) {
-    covariance.close_gap(block);  // camera, scene and adjoint stand before all blocks and stay
-    const auto moved_up = [&](StateBlock& b) {
-      if (!b.passive && b.dim > 0 && b.offset > block.offset) b.offset -= block.dim;
-    };
-    for (auto& [frame, anchor] : anchors) moved_up(anchor.block);
-    for (auto& [track, landmark] : landmarks) {
-      moved_up(landmark.y_block);
-      moved_up(landmark.w_block);
-      moved_up(landmark.held_block);
-    }
+  if (is_last(block.dim)) {
+    const auto moved = covariance.remove(block);
+    if (moved) follow(*moved, block);
     return;
   }
-  const auto moved = block.passive ? passive.remove(block) : covariance.remove(block);
-  if (moved) follow(*moved, block);
+  covariance.close_gap(block);  // camera and scene stand before all blocks and stay
+  const auto moved_up = [&](StateBlock& b) {
+    if (b.dim > 0 && b.offset > block.offset) b.offset -= block.dim;
+  };
+  for (auto& [frame, anchor] : anchors) moved_up(anchor.block);
+  for (auto& [track, landmark] : landmarks) {
+    moved_up(landmark.y_block);
+    moved_up(landmark.w_block);
+    moved_up(landmark.constrained_block);
+  }
+}
+
+Eigen::MatrixXd JointState::marginal(const FilterLandmark& landmark) const {
+  const StateBlock blocks[] = {anchors.at(landmark.anchor).block, landmark.y_block,
+                               landmark.w_block};
+  return marginal(blocks);
+}
+
+Eigen::MatrixXd JointState::marginal(std::span<const StateBlock> blocks) const {
+  int dim = 0;
+  for (const StateBlock& b : blocks) dim += b.dim;
+  Eigen::MatrixXd P(dim, dim);
+  int row = 0;
+  for (const StateBlock& a : blocks) {
+    int column = 0;
+    for (const StateBlock& b : blocks) {
+      P.block(row, column, a.dim, b.dim) = covariance.block(a, b);
+      column += b.dim;
+    }
+    row += a.dim;
+  }
+  return P;
 }
 
 void JointState::remove_landmarks(std::span<const int> tracks) {

@@ -2,9 +2,9 @@
 //
 // Landmarks initialised in one frame share one anchor: its rows are identical for all of them for
 // ever, so they are stored once. Layout of the error state: camera 12, the scene's depth (1) when
-// it is to be learnt, poses of past frames (6 each) where a lag is asked for, the adjoint of the
-// passive map where there is one (passive_map.h), then in any order an anchor (3), the y of a
-// landmark (3), the w of a free one, and what is remembered of the motion of a static one.
+// it is to be learnt, poses of past frames (6 each) where a lag is asked for, then in any order an
+// anchor (3), the y of a landmark (3), the w of a free one, and what is remembered of the
+// constrained motion of a static one.
 #pragma once
 
 #include <map>
@@ -12,7 +12,6 @@
 #include <span>
 
 #include "filters/covariance/joint_covariance.h"
-#include "filters/covariance/passive_map.h"
 #include "models/landmarks/landmark.h"
 
 namespace slammot {
@@ -31,15 +30,15 @@ struct FilterLandmark {
   StateBlock y_block;
   StateBlock w_block;  // empty when static
 
-  // Static, but what its motion would be is remembered (held_motion.cpp): the rows of the block are
-  // minus the information of w, and the state's sensitivity to w; `held` is the information vector.
-  StateBlock held_block;
-  MotionVector held;
-  int held_since = 0;  // the frame, counted by the filter
+  // Static, but what its motion would be is remembered (constrained_motion.cpp): the rows of the
+  // block are minus the information of w, and the state's sensitivity to w; `information` is the
+  // information vector. y is then that of the time at which it came to rest.
+  StateBlock constrained_block;
+  MotionVector information;
+  double rest_time = 0.0;  // [s], counted by the filter
 
-  bool is_held() const { return held_block.dim > 0; }
+  bool is_constrained() const { return constrained_block.dim > 0; }
   bool is_free() const { return w_block.dim > 0; }
-  bool is_passive() const { return y_block.passive; }
   int dim() const { return y_block.dim + w_block.dim; }
   LandmarkVector x() const { return landmark_state(y, w); }
 };
@@ -64,9 +63,9 @@ struct JointState {
   std::optional<FilterScene> scene;
   std::map<int, FilterAnchor> anchors;      // by the index of the frame that initialised them
   std::map<int, FilterLandmark> landmarks;  // by track
-  JointCovariance covariance;               // of all but the passive map
-  PassiveMap passive;
+  JointCovariance covariance;
   std::vector<FilterPose> clones;  // a ring; their rows stand behind those of the scene
+  double time = 0.0;               // of the camera, since the first frame [s]
 
   static constexpr StateBlock kCamera{0, kCameraDim};
   static constexpr StateBlock kPose{0, 6};
@@ -78,21 +77,11 @@ struct JointState {
   // The same without touching P: for an iterate.
   void move(Eigen::Ref<const Eigen::VectorXd> dx);
 
-  // Rows of the error state, those of the passive map included.
-  int size() const { return covariance.size() - passive.adjoint().dim + passive.size(); }
+  int size() const { return covariance.size(); }  // rows of the error state
 
-  // The covariance of (anchor, y, w) of a landmark, and of any blocks; the passive ones come last.
+  // The covariance of (anchor, y, w) of a landmark, and of any blocks.
   Eigen::MatrixXd marginal(const FilterLandmark& landmark) const;
   Eigen::MatrixXd marginal(std::span<const StateBlock> blocks) const;
-
-  // joint_state_passive.cpp. Static landmarks, in the order of their tracks, and anchors that no
-  // active one uses then, go to the passive map; a passive landmark comes back with its anchor.
-  // Rows of active landmarks may move.
-  void deactivate(const std::vector<int>& tracks);
-  void reactivate(int track);
-
-  // The estimates of the passive map follow what was corrected since this was last done.
-  void correct_passive();
 
   FilterPose pose() const { return {camera.position, camera.orientation, kPose}; }
 
@@ -108,18 +97,19 @@ struct JointState {
   // A static landmark is free again, with w ~ N(0, diag(sigmas)^2).
   void free_motion(int track, const MotionVector& sigmas);
 
-  // held_motion.cpp. After w = 0 was used as a measurement: the rows of w become those that
+  // constrained_motion.cpp. After w = 0 was used as a measurement: the rows of w become those that
   // remember it. `sensitivity` is P[:, w] P_ww^-1, `information` P_ww^-1 and `vector` P_ww^-1 w.
-  void hold_motion(int track, const Eigen::MatrixXd& sensitivity,
-                   const Eigen::MatrixXd& information, const Eigen::VectorXd& vector);
-  // The marginal of w, were it not held: mean and covariance. None when it is not determined.
-  struct HeldMotion {
+  void constrain_motion(int track, const Eigen::MatrixXd& sensitivity,
+                        const Eigen::MatrixXd& information, const Eigen::VectorXd& vector);
+  // The marginal of w, were it free: mean and covariance. None when it is not determined.
+  struct Motion {
     MotionVector mean;
     MotionMatrix covariance;
   };
-  std::optional<HeldMotion> held_motion(int track) const;
-  // As if w = 0 had never been used. Returns the correction of the state, to be made.
-  Eigen::VectorXd release_motion(int track, const HeldMotion& motion);
+  std::optional<Motion> constrained_motion(int track) const;
+  // As if w = 0 had never been used, and y is moved on by F_yw w. Returns the correction of the
+  // state, to be made.
+  Eigen::VectorXd release_motion(int track, const Motion& motion, const Eigen::MatrixXd& F_yw);
   void forget_motion(int track);
 
  private:
@@ -128,7 +118,6 @@ struct JointState {
   void remove_motion(MotionVector& numbers, StateBlock& block);
   void remove_block(StateBlock block);
   bool is_last(int dim) const;  // whether the last rows are one block of this size
-  StateBlock reactivate(StateBlock block);
 };
 
 }  // namespace slammot

@@ -240,9 +240,17 @@ void ConditionalMap::relinearise(const MarginalPrior& prior, int total) {
   near_.mean.noalias() += K * prior.difference();
   prior.transport(K);
   for (const MarginalPrior::Block& block : prior.blocks()) {
+    if (block.variable->column < 0) continue;  // of a considered landmark: K is zero there
     near_.K.middleCols(block.variable->column, block.dim()) =
         K.middleCols(block.offset, block.dim());
   }
+}
+
+void ConditionalMap::add_independent(Eigen::Index columns) {
+  if (empty() || columns == 0) return;
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(near_.K.rows(), near_.K.cols() + columns);
+  K.rightCols(near_.K.cols()) = near_.K;
+  near_.K = std::move(K);
 }
 
 void ConditionalMap::condition_on_zero(const MarginalPrior::Block& block) {

@@ -79,6 +79,9 @@ class ConditionalMap {
   // Variable::column on, all others zero.
   void relinearise(const MarginalPrior& prior, int total);
 
+  // The prior has so many more columns before all others, on which nothing here depends.
+  void add_independent(Eigen::Index columns);
+
   // Conditions on b_i = 0 for a variable of the prior, and takes its columns out.
   void condition_on_zero(const MarginalPrior::Block& block);
 

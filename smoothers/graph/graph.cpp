@@ -85,10 +85,10 @@ LandmarkId Graph::add_landmark(VariableId anchor, const Eigen::Vector3d& y) {
 // The slot's lists keep their memory.
 void Graph::remove_landmark(LandmarkId id) {
   GraphLandmark& landmark = (*this)[id];
-  landmark.is_alive = false;
+  landmark.is_alive = landmark.is_considered = false;
   landmark.w = -1;
   landmark.w_sigmas.resize(0);
-  landmark.held.reset();
+  landmark.constrained.reset();
   landmark.chain.clear();
   landmark.pixels.clear();
   landmark.birth = {};
@@ -102,42 +102,57 @@ void Graph::free_landmark(LandmarkId id, const MotionVector& sigmas) {
 }
 
 void Graph::condition_on_rest(LandmarkId id) {
-  hold_at_rest(id);
-  forget_held(id);
+  constrain_to_rest(id, 0.0);
+  forget_motion(id);
 }
 
-void Graph::hold_at_rest(LandmarkId id) {
+void Graph::constrain_to_rest(LandmarkId id, double rest_time) {
+  consider(id, false);
   GraphLandmark& l = (*this)[id];
   Variable& w = variables[l.w];
   w.value.setZero();
   w.step.setZero(w.dim());
-  w.is_held = true;
-  l.held = HeldMotion{l.w, l.w_sigmas};
+  w.is_constrained = true;
+  l.constrained = ConstrainedMotion{l.w, l.w_sigmas, rest_time};
   l.w = -1;
   l.w_sigmas.resize(0);
   l.chain.clear();
   const Variable& y = variables[l.y];
   for (GraphPixel& pixel : l.pixels) {
-    if (pixel.depth == 0) continue;
-    pixel.depth = 0;
-    linearise_pixel(pixel, l, y.value, y.point());
+    if (pixel.depth > 0) {
+      pixel.depth = 0;
+      linearise_pixel(pixel, l, y.value, y.point());
+    } else {
+      linearise_motion(pixel, l,
+                       y.point());  // at the base, where it says nothing of w
+    }
   }
 }
 
-void Graph::release(LandmarkId id) {
+void Graph::release_motion(LandmarkId id) {
   GraphLandmark& l = (*this)[id];
-  l.w = l.held->w;
-  l.w_sigmas = l.held->sigmas;
-  l.held.reset();
-  variables[l.w].is_held = false;
+  l.w = l.constrained->w;
+  l.w_sigmas = l.constrained->sigmas;
+  l.constrained.reset();
+  variables[l.w].is_constrained = false;
 }
 
-void Graph::forget_held(LandmarkId id) {
+void Graph::forget_motion(LandmarkId id) {
   GraphLandmark& l = (*this)[id];
-  if (!l.held) return;
-  prior_.condition_on_zero(l.held->w);
-  variables.remove(l.held->w);
-  l.held.reset();
+  if (!l.constrained) return;
+  prior_.condition_on_zero(l.constrained->w);
+  variables.remove(l.constrained->w);
+  l.constrained.reset();
+  for (GraphPixel& pixel : l.pixels) pixel.J_w.resize(2, 0);
+}
+
+void Graph::consider(LandmarkId id, bool is_considered) {
+  GraphLandmark& l = (*this)[id];
+  if (l.is_considered == is_considered) return;
+  l.is_considered = is_considered;
+  variables[l.y].is_own = is_considered;
+  if (l.is_free()) variables[l.w].is_own = is_considered;
+  prior_.active.own_variables_changed();
 }
 
 void Graph::add_pixel(LandmarkId id, const GraphCamera& camera, const Observation& z, int depth) {
@@ -146,6 +161,7 @@ void Graph::add_pixel(LandmarkId id, const GraphCamera& camera, const Observatio
   added.position = camera.position;
   added.orientation = camera.orientation;
   added.depth = depth;
+  added.time = camera.time;
   added.z = {z.pixel, camera.position == landmark.anchor, z.relative_sigma};
 }
 

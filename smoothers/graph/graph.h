@@ -10,6 +10,7 @@ namespace slammot {
 
 struct GraphCamera {
   VariableId position = 0, orientation = 0, rates = 0;  // rates: v (W), omega (C)
+  double time = 0.0;                                    // [s]
 };
 
 struct InitialCameraFactor {
@@ -60,8 +61,7 @@ struct StepOutcome {
 
 class Graph {
  public:
-  // `fixed_points`: Jacobians of variables that the prior holds stay where they were then, and
-  // those with a linearisation point are taken there.
+  // `fixed_points`: Jacobians of variables that the prior holds stay where they were then.
   Graph(const GraphModels& models, bool fixed_points)
       : models_(models), fixed_points_(fixed_points), prior_{MarginalPrior(fixed_points), {}} {}
 
@@ -84,14 +84,23 @@ class Graph {
   // It is free from its base, where no chain has begun, with w at zero under its prior.
   void free_landmark(LandmarkId id, const MotionVector& sigmas);
   // It has been at rest all the time: w and all noises are zero, and its measurements are those of
-  // one point. Those along the chain are linearised anew. hold_at_rest() keeps w, until it is
-  // forgotten or released, and a chain begins.
+  // one point. Those along the chain are linearised anew. constrain_to_rest() keeps w, until it is
+  // forgotten or released, and a chain begins. `rest_time` is that of the base [s].
   void condition_on_rest(LandmarkId id);
-  void hold_at_rest(LandmarkId id);
-  void forget_held(LandmarkId id);
-  void release(LandmarkId id);
+  void constrain_to_rest(LandmarkId id, double rest_time);
+  void forget_motion(LandmarkId id);
+  void release_motion(LandmarkId id);
+  // A free landmark that corrects itself only (modules/consider.h), or not so any more. The rest,
+  // which is the core, is solved for without it; then it is, given the core, p(o | core). What the
+  // prior holds of it must then be just that (Leaving::apart).
+  void consider(LandmarkId id, bool is_considered);
   // A measurement by a camera at the end of the chain.
   void add_pixel(LandmarkId id, const GraphCamera& camera, const Observation& z, int depth);
+
+  // Whether it is solved for with the cameras: neither inactive nor considered.
+  bool is_in_core(const GraphLandmark& landmark) const {
+    return landmark.is_alive && !landmark.is_considered && variables[landmark.y].is_active;
+  }
 
   // Brings inactive variables back into the prior, at their mean. Throws Diverged when their
   // covariance is not positive definite.
@@ -109,9 +118,9 @@ class Graph {
   // landmark would jump. Returns the largest change of a noise [sigma].
   double refresh_noises(GraphLandmark& landmark);
 
-  // Linearises everything anew at the current estimate; returns half the sum of squares (with
-  // losses) there, prior included. A pixel that is not valid does not count: if it cost something,
-  // any step that ends this would be taken, however bad.
+  // Linearises all but the considered landmarks anew at the current estimate; returns half the sum
+  // of squares there, prior included. A pixel that is not valid does not count: if it cost
+  // something, any step that ends this would be taken, however bad.
   double linearise();
   double linearise(GraphLandmark& landmark);
 
@@ -127,8 +136,16 @@ class Graph {
   bool limit_step();
   double farthest(const GraphLandmark& landmark) const;
 
-  // What is true at x [+] step. Nothing is changed but Variable::candidate.
+  // What is true at x [+] step, without considered landmarks. Nothing is changed but
+  // Variable::candidate.
   StepOutcome try_step();
+
+  // The same of one landmark while the rest stays: all steps and candidates are cleared, its cost
+  // with what the prior says of it, its step tried, and taken.
+  void clear_steps();
+  double own_cost(LandmarkId id, MarginalPrior::Field field = &Variable::value);
+  StepOutcome try_own_step(LandmarkId id);
+  void take_own_step(LandmarkId id);
 
   // x := x [+] step, prior untouched. Stored linearisations are carried along: r += J dx, and J is
   // expressed in the tangent space at the new estimate.
@@ -151,6 +168,8 @@ class Graph {
   void linearise_chain(GraphLandmark& landmark);
   double linearise_pixel(GraphPixel& pixel, const GraphLandmark& landmark, const Eigen::Vector3d& y,
                          const Eigen::Vector3d& y_point);
+  void linearise_motion(GraphPixel& pixel, const GraphLandmark& landmark,
+                        const Eigen::Vector3d& y_point) const;
   double linearise_birth(GraphLandmark& landmark);
   void try_step(const GraphLandmark& landmark, StepOutcome& outcome) const;
   void try_step(const GraphPixel& pixel, const GraphLandmark& landmark, const Eigen::Vector3d& y,

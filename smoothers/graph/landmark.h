@@ -18,13 +18,14 @@ namespace slammot {
 
 using LandmarkId = int;  // its slot in the graph
 
+using PixelMotion = BoundedMatrix<2, Eigen::Dynamic, 2, kMaxMotion>;
+
 // One step of a chain.
 struct ChainStep {
   double dt = 0.0;        // [s]
   bool is_moving = true;  // as it was believed then, LandmarkPrior::noise()
   LandmarkMatrix G;
   LandmarkVector noise;
-  std::optional<LandmarkVector> noise_point;  // set: where Jacobians are taken
 
   // At the last linearisation: the state after the step, and F = df/dx before it.
   LandmarkVector x;
@@ -33,13 +34,15 @@ struct ChainStep {
   LandmarkVector step;   // the correction of the noise last computed
 };
 
-// A measurement, with the residual and Jacobians of the last linearisation, weighted by the loss.
+// A measurement, with the residual and Jacobians of the last linearisation.
 struct GraphPixel {
   VariableId position = 0, orientation = 0;
-  int depth = 0;  // chain steps between the base and the frame
+  int depth = 0;      // chain steps between the base and the frame
+  double time = 0.0;  // of the frame [s]
   MeasuredPixel z;
   bool valid = true;  // false: behind the camera; all of it is zero
   PixelResidual at;
+  PixelMotion J_w;  // of a constrained motion, at the same point as the others; else empty
 };
 
 // What was assumed of y at birth, until it is marginalised: rows of the residual.
@@ -63,20 +66,22 @@ struct BirthPrior {
   int rows() const { return kind == Kind::kNone ? 0 : kind == Kind::kKnown ? 3 : 1; }
 };
 
-// The motion of a landmark that is static, in the prior with all that has left the graph; at rest
-// until it is released.
-struct HeldMotion {
+// The motion of a landmark that is static: a variable that is constrained to zero until it is
+// released. What leaves the graph goes into the prior with its columns.
+struct ConstrainedMotion {
   VariableId w = 0;
-  MotionVector sigmas;  // of its own prior; empty once it is marginalised
+  MotionVector sigmas;     // of its own prior; empty once it is marginalised
+  double rest_time = 0.0;  // of y, and of w [s]
 };
 
 struct GraphLandmark {
   bool is_alive = true;
-  VariableId anchor = 0;           // camera position at its birth
-  VariableId y = 0;                // at the base
-  VariableId w = -1;               // at the base; -1: static
-  MotionVector w_sigmas;           // of w's prior; empty once it is marginalised
-  std::optional<HeldMotion> held;  // only of a static one
+  bool is_considered = false;                    // it corrects itself only; of a free one
+  VariableId anchor = 0;                         // camera position at its birth
+  VariableId y = 0;                              // at the base
+  VariableId w = -1;                             // at the base; -1: static
+  MotionVector w_sigmas;                         // of w's prior; empty once it is marginalised
+  std::optional<ConstrainedMotion> constrained;  // only of a static one
   std::vector<ChainStep> chain;
   std::vector<GraphPixel> pixels;  // oldest first
   BirthPrior birth;

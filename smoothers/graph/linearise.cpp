@@ -1,6 +1,6 @@
 // The graph's residuals and Jacobians at the current estimate.
+#include "smoothers/graph/graph.h"
 #include "smoothers/graph/noise_scale.h"
-#include "smoothers/graph/robust.h"
 
 namespace slammot {
 
@@ -19,7 +19,7 @@ double Graph::linearise() {
     sum += scene->r * scene->r;
   }
   for (GraphLandmark& landmark : landmarks) {
-    if (landmark.is_alive) sum += linearise(landmark);
+    if (landmark.is_alive && !landmark.is_considered) sum += linearise(landmark);
   }
   return 0.5 * sum;
 }
@@ -49,7 +49,7 @@ void Graph::linearise_chain(GraphLandmark& l) {
     x = model.predict(x, step.dt) + step.G.lazyProduct(step.noise);
     step.x = x;
     if (!fixed_points_) continue;
-    point = model.predict(point, step.dt) + step.G * step.noise_point.value_or(step.noise);
+    point = model.predict(point, step.dt) + step.G.lazyProduct(step.noise);
     step.point = point;
   }
 }
@@ -97,17 +97,20 @@ double Graph::linearise_pixel(GraphPixel& pixel, const GraphLandmark& l, const E
   if (!pixel.valid) {
     pixel.at = {Eigen::Vector2d::Zero(), Eigen::Matrix<double, 2, 6>::Zero(), Matrix23d::Zero(),
                 Matrix23d::Zero()};
+    if (l.constrained) pixel.J_w.setZero(2, models_.landmark->motion);
     return 0.0;
   }
   pixel.at = *at;
-  if (!models_.loss) return at->r.squaredNorm();
-  double weight = 1.0;  // iteratively reweighted: the loss's slope scales the residual
-  const double square = robust(models_.loss, at->r.squaredNorm(), &weight);
-  pixel.at.r *= weight;
-  pixel.at.J_pose *= weight;
-  pixel.at.J_anchor *= weight;
-  pixel.at.J_y *= weight;
-  return square;
+  linearise_motion(pixel, l, y_point);
+  return at->r.squaredNorm();
+}
+
+// Had the landmark moved with w since it came to rest, it would be seen at y + F_yw w.
+void Graph::linearise_motion(GraphPixel& pixel, const GraphLandmark& l,
+                             const Eigen::Vector3d& y_point) const {
+  if (!l.constrained) return;
+  const double since_rest = std::max(0.0, pixel.time - l.constrained->rest_time);
+  pixel.J_w = pixel.at.J_y.lazyProduct(moved_from_rest(*models_.landmark, y_point, since_rest));
 }
 
 bool Graph::is_at_pole(const GraphPixel& pixel) const {

@@ -41,7 +41,53 @@ const Eigen::VectorXd& MarginalPrior::difference(Field b) const {
 const Eigen::VectorXd& MarginalPrior::residual(Field b) const {
   residual_ = r_;
   if (cols_ > 0) residual_.noalias() += *R_ * difference(b);
+  for_own_rows([&](Eigen::Index first, int count) { residual_.segment(first, count).setZero(); });
   return residual_;
+}
+
+Eigen::Index MarginalPrior::row_of(int column) const {
+  return std::ranges::lower_bound(starts_, column) - starts_.begin();
+}
+
+template <typename Function>
+void MarginalPrior::for_own_rows(Function&& function) const {
+  for (const Block& block : blocks_) {
+    if (block.variable->is_own) function(row_of(block.offset), block.dim());
+  }
+}
+
+MarginalPrior::OwnRows MarginalPrior::own_rows(VariableId y, VariableId w) const {
+  OwnRows rows;
+  const Block* of_y = find(y);
+  if (!of_y) return rows;
+  rows.first = row_of(of_y->offset);
+  rows.y = of_y->offset;
+  rows.count = of_y->dim();
+  if (const Block* of_w = w >= 0 ? find(w) : nullptr) {
+    rows.w = of_w->offset;
+    rows.count += of_w->dim();
+  }
+  return rows;
+}
+
+double MarginalPrior::own_square(const OwnRows& rows, Field b) const {
+  if (rows.count == 0) return 0.0;
+  SmallVector own = r_.segment(rows.first, rows.count);
+  own.noalias() += (*R_).middleRows(rows.first, rows.count) * difference(b);
+  return own.squaredNorm();
+}
+
+void MarginalPrior::fill_own(const OwnRows& rows, Eigen::Ref<Eigen::VectorXd> residual,
+                             Eigen::Ref<Eigen::MatrixXd> K) const {
+  const auto own = (*R_).middleRows(rows.first, rows.count);
+  residual = r_.segment(rows.first, rows.count);
+  residual.noalias() += own * difference();
+  Eigen::Index column = 0;
+  for (const Run& run : runs_) {
+    K.middleCols(column, run.dim) = own.middleCols(run.offset, run.dim);
+    if (run.turning) turn_columns(K.middleCols(column, run.dim), run.T);
+    column += run.dim;
+  }
 }
 
 double MarginalPrior::square(Field b) const { return cols_ > 0 ? residual(b).squaredNorm() : 0.0; }
@@ -64,8 +110,11 @@ void MarginalPrior::transport(Eigen::Ref<Eigen::MatrixXd> A) const {
 void MarginalPrior::compute_gram() const {
   if (has_gram_) return;
   constexpr Eigen::Index kPanel = 48;
-  const auto R = *R_;
-  const Eigen::Index n = R.cols();
+  const Eigen::Index n = cols_;
+  of_core_.resize(r_.size(), n);
+  auto R = *of_core_;
+  R = *R_;
+  for_own_rows([&](Eigen::Index first, int count) { R.middleRows(first, count).setZero(); });
   gram_.resize(n, n);
   auto gram = *gram_;
   for (Eigen::Index c = 0; c < n; c += kPanel) {
@@ -83,7 +132,7 @@ void MarginalPrior::find_runs() const {
   for (const Block& block : blocks_) {
     const int core = block.variable->core, dim = block.dim();
     const bool turning = turns(block);
-    if (block.variable->is_held) continue;
+    if (block.variable->is_constrained || block.variable->is_own) continue;
     if (!runs_.empty() && !turning && !runs_.back().turning &&
         runs_.back().core + runs_.back().dim == core &&
         runs_.back().offset + runs_.back().dim == block.offset) {
@@ -138,9 +187,10 @@ void MarginalPrior::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::Vect
   }
 }
 
-void MarginalPrior::add_held(VariableId id, const Eigen::VectorXd& residual,
-                             Eigen::Ref<Eigen::MatrixXd> information, Eigen::Ref<Eigen::MatrixXd> E,
-                             Eigen::Ref<Eigen::VectorXd> gradient) const {
+void MarginalPrior::add_constrained(VariableId id, const Eigen::VectorXd& residual,
+                                    Eigen::Ref<Eigen::MatrixXd> information,
+                                    Eigen::Ref<Eigen::MatrixXd> E,
+                                    Eigen::Ref<Eigen::VectorXd> gradient) const {
   const Block* block = find(id);
   if (!block) return;
   compute_gram();
@@ -213,7 +263,7 @@ void MarginalPrior::condition_on_zero(VariableId id) {
   for (int& start : starts_) {
     if (start > offset) start = std::max(offset, start - dim);
   }
-  for (Run& run : runs_) {  // a held variable has none
+  for (Run& run : runs_) {  // a constrained variable has none
     if (run.offset > offset) run.offset -= dim;
   }
   for (auto later = blocks_.erase(k); later != blocks_.end(); ++later) later->offset -= dim;

@@ -41,7 +41,8 @@ class MarginalPrior {
   // The result is overwritten by the next call of any function here.
   const Eigen::VectorXd& difference(Field b = &Variable::value) const;
 
-  // R (b [-] b0) + r, overwritten by the next residual(), square() or add_to(), and its square.
+  // R (b [-] b0) + r, overwritten by the next residual(), square() or add_to(), and its square;
+  // zero in the rows of considered landmarks.
   const Eigen::VectorXd& residual(Field b = &Variable::value) const;
   double square(Field b = &Variable::value) const;
 
@@ -55,14 +56,39 @@ class MarginalPrior {
   // A := A T, where A has the columns of R.
   void transport(Eigen::Ref<Eigen::MatrixXd> A) const;
 
+  // Considered landmarks (Graph::consider). The prior holds what it knows of one given the core, in
+  // rows of their own: U (y, w) + K core + r, where no other considered landmark has columns. No
+  // other row has theirs, so that the rest of R is the prior of the core.
+  struct OwnRows {
+    Eigen::Index first = 0, count = 0;  // rows
+    int y = 0, w = -1;                  // columns; -1: not in the prior
+  };
+  OwnRows own_rows(VariableId y, VariableId w) const;
+  double own_square(const OwnRows& rows, Field b) const;
+  // Their residual, and K T over columns of the core that stand side by side, one `run` after the
+  // other as in runs().
+  void fill_own(const OwnRows& rows, Eigen::Ref<Eigen::VectorXd> residual,
+                Eigen::Ref<Eigen::MatrixXd> K) const;
+  // Variable::is_own has changed.
+  void own_variables_changed() { has_gram_ = false; }
+
+  // Columns that stand side by side in R and in the core, and do not turn; or one orientation. Of
+  // the last add_to().
+  struct Run {
+    int offset = 0, core = 0, dim = 0;
+    bool turning = false;
+    Eigen::Matrix3d T;
+  };
+  const std::vector<Run>& runs() const { return runs_; }
+
   // Adds T'R'R T and T'R'(R (b [-] b0) + r) where Variable::core says; of H its lower triangle.
   void add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::VectorXd> g) const;
 
-  // Of a held variable, C being its columns of R: `information` += C'C, E += (C'R T)' as
+  // Of a constrained variable, C being its columns of R: `information` += C'C, E += (C'R T)' as
   // add_transposed(), `gradient` += C'residual. Nothing when the prior does not touch it.
-  void add_held(VariableId id, const Eigen::VectorXd& residual,
-                Eigen::Ref<Eigen::MatrixXd> information, Eigen::Ref<Eigen::MatrixXd> E,
-                Eigen::Ref<Eigen::VectorXd> gradient) const;
+  void add_constrained(VariableId id, const Eigen::VectorXd& residual,
+                       Eigen::Ref<Eigen::MatrixXd> information, Eigen::Ref<Eigen::MatrixXd> E,
+                       Eigen::Ref<Eigen::VectorXd> gradient) const;
 
   // E += (K T)' where Variable::core says; K has the columns of R. T is that of the last add_to().
   void add_transposed(const Eigen::MatrixXd& K, Eigen::Ref<Eigen::MatrixXd> E) const;
@@ -86,15 +112,12 @@ class MarginalPrior {
             const Eigen::MatrixXd& K, const Eigen::MatrixXd& U);
 
  private:
-  // Columns that stand side by side in R and in the core, and do not turn; or one orientation.
-  struct Run {
-    int offset = 0, core = 0, dim = 0;
-    bool turning = false;
-    Eigen::Matrix3d T;
-  };
   bool turns(const Block& block) const { return block.variable->is_orientation && !fixed_points_; }
   void compute_gram() const;
   void find_runs() const;
+  Eigen::Index row_of(int column) const;  // the first that begins there or later
+  template <typename Function>
+  void for_own_rows(Function&& function) const;
 
   bool fixed_points_;
   int cols_ = 0;
@@ -104,7 +127,7 @@ class MarginalPrior {
   std::vector<int> starts_;
 
   // R'R, computed once after R has changed; every step needs it.
-  mutable GrowingMatrix gram_;
+  mutable GrowingMatrix gram_, of_core_;
   mutable bool has_gram_ = false;
   mutable std::vector<Run> runs_;
   mutable GrowingMatrix turned_;                              // scratch

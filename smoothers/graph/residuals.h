@@ -3,8 +3,6 @@
 // (cost_functions.h) both call them.
 #pragma once
 
-#include <ceres/loss_function.h>
-
 #include <optional>
 
 #include "models/camera.h"
@@ -20,8 +18,7 @@ struct GraphModels {
   double pixel_sigma = 1.0;
   LandmarkPrior prior;  // of the acceleration noise
   const LandmarkFunctions* landmark = nullptr;
-  const ceres::LossFunction* loss = nullptr;  // of a pixel; null: squared
-  bool noise_tells_scale = true;              // see noise_scale.h
+  bool noise_tells_scale = true;  // see noise_scale.h
 
   const PointFunctions& point() const { return landmark->point; }
 };

@@ -1,7 +1,7 @@
 // Where a step leads: the cost there, what the linearised problem says of it, and the step taken.
 #include <cmath>
 
-#include "smoothers/graph/robust.h"
+#include "smoothers/graph/graph.h"
 
 namespace slammot {
 
@@ -102,9 +102,46 @@ StepOutcome Graph::try_step() {
     outcome.square += r * r;
   }
   for (const GraphLandmark& l : landmarks) {
-    if (l.is_alive && variables[l.y].is_active) try_step(l, outcome);
+    if (is_in_core(l)) try_step(l, outcome);
   }
   return outcome;
+}
+
+void Graph::clear_steps() {
+  variables.for_each([](Variable& v) {
+    v.step.setZero(v.dim());
+    v.candidate = v.value;
+  });
+  for (GraphLandmark& landmark : landmarks) {
+    for (ChainStep& step : landmark.chain) step.step.setZero(step.noise.size());
+  }
+}
+
+double Graph::own_cost(LandmarkId id, MarginalPrior::Field field) {
+  const GraphLandmark& l = (*this)[id];
+  return 0.5 * prior_.active.own_square(prior_.active.own_rows(l.y, l.w), field);
+}
+
+StepOutcome Graph::try_own_step(LandmarkId id) {
+  const GraphLandmark& l = (*this)[id];
+  for (const VariableId own : {l.y, l.w}) {
+    variables[own].candidate = variables[own].value + variables[own].step;
+  }
+  StepOutcome outcome;
+  outcome.square = 2.0 * own_cost(id, &Variable::candidate);
+  try_step(l, outcome);
+  return outcome;
+}
+
+void Graph::take_own_step(LandmarkId id) {
+  GraphLandmark& l = (*this)[id];
+  retract(l);
+  for (const VariableId own : {l.y, l.w}) {
+    Variable& v = variables[own];
+    v.value += v.step;
+    v.candidate = v.value;
+    v.step.setZero();
+  }
 }
 
 void Graph::try_step(const GraphLandmark& l, StepOutcome& outcome) const {
@@ -154,9 +191,8 @@ void Graph::try_step(const GraphPixel& pixel, const GraphLandmark& l, const Eige
     outcome.square += kImpossible;
     return;
   }
-  double weight = 1.0;
-  outcome.square += robust(models_.loss, h->r.squaredNorm(), &weight);
-  outcome.add(weight * h->r, pixel.at.r + pixel_change(variables, l, pixel, dx));
+  outcome.square += h->r.squaredNorm();
+  outcome.add(h->r, pixel.at.r + pixel_change(variables, l, pixel, dx));
 }
 
 void Graph::retract() {

@@ -17,7 +17,7 @@ void TrackHistories::measured(const Observation& z, int frame) {
   pixels.emplace(later, frame, z);
 }
 
-void TrackHistories::let_go(int track, int frame) {
+void TrackHistories::discard(int track, int frame) {
   std::erase_if(open_.at(track).pixels, [&](const auto& other) { return other.first == frame; });
 }
 

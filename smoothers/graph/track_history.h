@@ -28,7 +28,8 @@ class TrackHistories {
  public:
   void begin(int track, int frame, const BirthPrior& birth);
   void measured(const Observation& z, int frame);
-  void let_go(int track, int frame);  // a measurement that turned out to be wrong
+  void discard(int track,
+               int frame);  // a measurement that turned out to be wrong
   // The next states of a free landmark, as they leave the window or it becomes static.
   void passed(int track, std::span<const LandmarkVector> states);
   // It was static up to the frame before `frame`, in this state (y, 0); what passed since is not

@@ -19,7 +19,8 @@ struct Variable {
   bool is_orientation = false;  // else Euclidean
   bool is_private = false;      // a landmark's own, eliminated with it; not once the prior holds it
   bool is_active = true;        // false: in the conditional map
-  bool is_held = false;         // at its value: it has columns in the prior, but no step is taken
+  bool is_constrained = false;  // to its value: it has columns in the prior, but no step is taken
+  bool is_own = false;          // a considered landmark's: not in the core, though in the prior
   bool is_alive = true;         // false: the slot is vacant
   std::optional<SmallVector> linearisation_point;  // set: Jacobians are taken there, not at value
 
@@ -29,7 +30,7 @@ struct Variable {
   Eigen::Matrix3d turn =
       Eigen::Matrix3d::Identity();  // of an orientation: the transport that goes with the step
   int core = -1;
-  int column = -1;  // scratch of marginalise()
+  int column = -1;  // of a marginalisation; none: -1
 
   int dim() const { return is_orientation ? 3 : static_cast<int>(value.size()); }
   const SmallVector& point() const { return linearisation_point ? *linearisation_point : value; }
@@ -59,6 +60,8 @@ class Variables {
 
   Variable& operator[](VariableId id) { return slots_[static_cast<std::size_t>(id)]; }
   const Variable& operator[](VariableId id) const { return slots_[static_cast<std::size_t>(id)]; }
+
+  std::size_t size() const { return slots_.size(); }  // slots
 
   // Of every active variable, by slot.
   template <typename Function>

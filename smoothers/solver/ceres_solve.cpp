@@ -9,12 +9,6 @@ namespace slammot {
 
 namespace {
 
-ceres::Problem::Options owned_but_the_loss() {
-  ceres::Problem::Options options;
-  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  return options;
-}
-
 ceres::Solver::Options solver_options(int max_iterations, double function_tolerance) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
@@ -31,8 +25,7 @@ ceres::Solver::Options solver_options(int max_iterations, double function_tolera
 // Adds a graph's factors to a problem.
 class Builder {
  public:
-  explicit Builder(Graph& graph)
-      : graph_(graph), problem_(std::make_unique<ceres::Problem>(owned_but_the_loss())) {
+  explicit Builder(Graph& graph) : graph_(graph), problem_(std::make_unique<ceres::Problem>()) {
     graph.variables.for_each([&](Variable& v) {
       const auto size = static_cast<int>(v.value.size());
       if (v.is_orientation) {
@@ -40,19 +33,20 @@ class Builder {
       } else {
         problem_->AddParameterBlock(v.value.data(), size);
       }
-      if (v.is_held) problem_->SetParameterBlockConstant(v.value.data());
+      if (v.is_constrained || v.is_own) problem_->SetParameterBlockConstant(v.value.data());
     });
   }
 
   CeresProblem build() {
     add_cameras();
     for (GraphLandmark& l : graph_.landmarks) {
-      if (l.is_alive && graph_.variables[l.y].is_active) add_landmark(l);
+      if (graph_.is_in_core(l)) add_landmark(l);
     }
     const MarginalPrior& prior = graph_.prior().active;
     if (prior.cols() > 0) {
       std::vector<double*> blocks;
       for (const MarginalPrior::Block& b : prior.blocks()) {
+        if (b.variable->is_own) continue;
         blocks.push_back(value(b.variable->id));
       }
       problem_->AddResidualBlock(marginal_prior_cost(prior).release(), nullptr, blocks);
@@ -133,8 +127,7 @@ class Builder {
       ++waiting_;
       return;
     }
-    problem_->AddResidualBlock(cost.release(),
-                               const_cast<ceres::LossFunction*>(graph_.models().loss), blocks);
+    problem_->AddResidualBlock(cost.release(), nullptr, blocks);
   }
 
   Graph& graph_;

@@ -246,22 +246,29 @@ class GaussianCost final : public ceres::CostFunction {
   Eigen::VectorXd mean_, sigmas_;
 };
 
+// Of the core: considered landmarks have neither blocks nor rows.
 class MarginalPriorCost final : public ceres::CostFunction {
  public:
-  explicit MarginalPriorCost(const MarginalPrior& prior) : prior_(prior) {
-    set_num_residuals(static_cast<int>(prior.R().rows()));
+  explicit MarginalPriorCost(const MarginalPrior& prior) : R_(prior.R()), r_(prior.r()) {
+    set_num_residuals(static_cast<int>(R_.rows()));
     for (const MarginalPrior::Block& b : prior.blocks()) {
+      if (b.variable->is_own) {
+        const MarginalPrior::OwnRows rows = prior.own_rows(b.variable->id, -1);
+        R_.middleRows(rows.first, rows.count).setZero();
+        r_.segment(rows.first, rows.count).setZero();
+        continue;
+      }
+      blocks_.push_back(&b);
       mutable_parameter_block_sizes()->push_back(static_cast<int>(b.x0.size()));
     }
   }
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    const auto R = prior_.R();
-    Eigen::VectorXd d(R.cols());
-    for (std::size_t i = 0; i < prior_.blocks().size(); ++i) {
-      const MarginalPrior::Block& b = prior_.blocks()[i];
+    Eigen::VectorXd d = Eigen::VectorXd::Zero(R_.cols());
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      const MarginalPrior::Block& b = *blocks_[i];
       const SmallVector value = Eigen::Map<const Eigen::VectorXd>(x[i], b.x0.size());
       d.segment(b.offset, b.dim()) = minus(b.variable->is_orientation, value, b.x0);
-      const auto columns = R.middleCols(b.offset, b.dim());
+      const auto columns = R_.middleCols(b.offset, b.dim());
       if (b.variable->is_orientation) {
         write_orientation(jacobians, static_cast<int>(i), x[i],
                           (columns * transport(value, b.x0)).eval());
@@ -269,12 +276,14 @@ class MarginalPriorCost final : public ceres::CostFunction {
         write(jacobians, static_cast<int>(i), columns);
       }
     }
-    Eigen::Map<Eigen::VectorXd>(residuals, R.rows()) = R * d + prior_.r();
+    Eigen::Map<Eigen::VectorXd>(residuals, R_.rows()) = R_ * d + r_;
     return true;
   }
 
  private:
-  const MarginalPrior& prior_;
+  Eigen::MatrixXd R_;
+  Eigen::VectorXd r_;
+  std::vector<const MarginalPrior::Block*> blocks_;
 };
 
 }  // namespace

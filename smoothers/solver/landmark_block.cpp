@@ -24,29 +24,11 @@ void add_block(Eigen::Ref<Eigen::MatrixXd> H, int row, int column,
 
 void LandmarkBlock::lay_out(const Graph& graph, const GraphLandmark& l) {
   pixels_ = static_cast<int>(l.pixels.size());
-  rows_ = 2 * pixels_ + l.birth.rows();
+  own_ = l.is_considered ? graph.prior().active.own_rows(l.y, l.w) : MarginalPrior::OwnRows{};
+  rows_ = 2 * pixels_ + l.birth.rows() + static_cast<int>(own_.count);
   steps_ = l.steps();
   states_ = l.is_free() ? graph.models().landmark->dim() : 3;
-  const Variable& y = graph.variables[l.y];
-  shared_.clear();
-  shared_cols_ = 0;
-  first_private_ = 0;
-  const auto share = [&](const Variable& v, bool is_state, int state) {
-    shared_.push_back({v.core, shared_cols_, v.dim(), is_state, state});
-    shared_cols_ += v.dim();
-  };
-  share(graph.variables[l.anchor], false, 0);
-  if (!y.is_private) {
-    share(y, true, 0);
-    first_private_ = 3;
-    if (l.is_free() && !graph.variables[l.w].is_private) {
-      share(graph.variables[l.w], true, 3);
-      first_private_ = states_;
-    }
-  }
-  if (l.birth.kind == BirthPrior::Kind::kSharedDepth) {
-    share(graph.variables[l.birth.scene], false, 0);
-  }
+  share_core(graph, l);
   independent_ = steps_ == 0 && first_private_ == states_;
   poses_.clear();
   for (const GraphPixel& pixel : l.pixels) poses_.push_back(graph.variables[pixel.position].core);
@@ -57,6 +39,36 @@ void LandmarkBlock::lay_out(const Graph& graph, const GraphLandmark& l) {
   P_.resize(rows_, rows_);
   q_.resize(rows_);
   e_.resize(rows_);
+}
+
+void LandmarkBlock::share_core(const Graph& graph, const GraphLandmark& l) {
+  const Variable& y = graph.variables[l.y];
+  shared_.clear();
+  shared_cols_ = 0;
+  first_private_ = 0;
+  const auto share = [&](const Variable& v, bool is_state, int state) {
+    shared_.push_back({v.core, shared_cols_, v.dim(), is_state, state});
+    shared_cols_ += v.dim();
+  };
+  share(graph.variables[l.anchor], false, 0);
+  if (!y.is_private && !l.is_considered) {
+    share(y, true, 0);
+    first_private_ = 3;
+    if (l.is_free() && !graph.variables[l.w].is_private) {
+      share(graph.variables[l.w], true, 3);
+      first_private_ = states_;
+    }
+  }
+  scene_column_ = shared_cols_;
+  if (l.birth.kind == BirthPrior::Kind::kSharedDepth) {
+    share(graph.variables[l.birth.scene], false, 0);
+  }
+  own_column_ = shared_cols_;
+  if (own_.count == 0) return;
+  for (const MarginalPrior::Run& run : graph.prior().active.runs()) {
+    shared_.push_back({run.core, shared_cols_, run.dim, false, 0});
+    shared_cols_ += run.dim;
+  }
 }
 
 // The chain moves on by one step: the covariances of its newest state with the rows so far follow.
@@ -121,18 +133,33 @@ void LandmarkBlock::fill_row(const GraphPixel& pixel, Eigen::Index row) {
 void LandmarkBlock::fill_birth(const GraphLandmark& l) {
   const int rows = l.birth.rows();
   if (rows == 0) return;
-  (*A_).bottomRows(rows).setZero();
-  (*X_).bottomRows(rows).setZero();
-  (*X_).bottomRows(rows).leftCols<3>() = l.birth.J_y.topRows(rows);
-  (*S_).bottomRows(rows).leftCols<3>() = l.birth.J_anchor.topRows(rows);
+  const int first = 2 * pixels_;
+  (*A_).middleRows(first, rows).setZero();
+  (*X_).middleRows(first, rows).setZero();
+  (*X_).middleRows(first, rows).leftCols<3>() = l.birth.J_y.topRows(rows);
+  (*S_).middleRows(first, rows).leftCols<3>() = l.birth.J_anchor.topRows(rows);
   if (l.birth.kind == BirthPrior::Kind::kSharedDepth) {
-    (*S_).bottomRows(rows).rightCols<1>() = l.birth.J_scene.topRows(rows);
+    (*S_).middleRows(first, rows).col(scene_column_) = l.birth.J_scene.topRows(rows);
   }
-  (*T_).rightCols(rows).setZero();
-  q_.tail(rows) = l.birth.r.head(rows);
+  (*T_).middleCols(first, rows).setZero();
+  q_.segment(first, rows) = l.birth.r.head(rows);
 }
 
-void LandmarkBlock::fill(const GraphLandmark& l) {
+void LandmarkBlock::fill_prior(const Graph& graph) {
+  if (own_.count == 0) return;
+  const MarginalPrior& prior = graph.prior().active;
+  const auto rows = prior.R().middleRows(own_.first, own_.count);
+  auto X = (*X_).bottomRows(own_.count);
+  (*A_).bottomRows(own_.count).setZero();
+  X.setZero();
+  X.leftCols<3>() = rows.middleCols<3>(own_.y);
+  if (own_.w >= 0) X.rightCols(states_ - 3) = rows.middleCols(own_.w, states_ - 3);
+  (*T_).rightCols(own_.count).setZero();
+  prior.fill_own(own_, q_.tail(own_.count),
+                 (*S_).bottomRows(own_.count).rightCols(shared_cols_ - own_column_));
+}
+
+void LandmarkBlock::fill(const Graph& graph, const GraphLandmark& l) {
   (*S_).setZero();
   if (!independent_) {
     (*P_).setIdentity();
@@ -151,6 +178,7 @@ void LandmarkBlock::fill(const GraphLandmark& l) {
     }
   }
   fill_birth(l);
+  fill_prior(graph);
   auto S = *S_;
   for (const Shared& s : shared_) {
     if (s.is_state) S.middleCols(s.column, s.dim) = (*X_).middleCols(s.state, s.dim);
@@ -160,7 +188,7 @@ void LandmarkBlock::fill(const GraphLandmark& l) {
 void LandmarkBlock::eliminate(const Graph& graph, const GraphLandmark& l, double damping) {
   lay_out(graph, l);
   damp_noises(l, damping);
-  fill(l);
+  fill(graph, l);
   if (independent_) {
     e_ = q_;
     return;
@@ -264,6 +292,26 @@ void LandmarkBlock::add_squares(Eigen::Ref<Eigen::VectorXd> squares) const {
   for (const Shared& s : shared_) {
     squares.segment(s.core, s.dim) +=
         (*S_).middleCols(s.column, s.dim).colwise().squaredNorm().transpose();
+  }
+}
+
+void LandmarkBlock::weigh(const Eigen::Ref<const Eigen::MatrixXd>& A, Eigen::Ref<Eigen::MatrixXd> C,
+                          MotionMatrix& own) const {
+  const Eigen::Index pixels = A.rows();
+  Eigen::MatrixXd PA = Eigen::MatrixXd::Zero(rows_, A.cols());  // birth's rows stand last
+  if (independent_) {
+    PA.topRows(pixels) = A;
+  } else {
+    PA.noalias() = (*P_).leftCols(pixels) * A;
+  }
+  own = A.transpose() * PA.topRows(pixels);
+  C.setZero();
+  for (int i = 0; i < pixels_; ++i) {
+    C.middleRows<6>(poses_[static_cast<std::size_t>(i)]).noalias() +=
+        (*A_).middleRows<2>(2 * i).transpose() * PA.middleRows<2>(2 * i);
+  }
+  for (const Shared& s : shared_) {
+    C.middleRows(s.core, s.dim).noalias() += (*S_).middleCols(s.column, s.dim).transpose() * PA;
   }
 }
 

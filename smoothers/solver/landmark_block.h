@@ -13,6 +13,9 @@
 //
 // P is small (two rows a pixel), and J has six columns a camera, so that J' P J is added camera by
 // camera.
+//
+// A considered landmark leaves nothing there: its rows serve to find it once the core is known.
+// What the prior says of it (MarginalPrior::OwnRows) are rows of its own too, after all others.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -44,13 +47,9 @@ class LandmarkBlock {
   int steps() const { return steps_; }              // of the chain
   void newest(Eigen::Ref<Eigen::MatrixXd> E, LandmarkMatrix& covariance) const;
 
-  // Of one pixel, by its place: (P J)' over the core, core x 2, its own block of P, and P times the
-  // residuals as they are with the core at the linearisation. [given_others.cpp]
-  void weigh_pixel(int pixel, Eigen::Ref<Eigen::MatrixXd> B, Eigen::Matrix2d& own) const;
   // Of all pixels, two rows of A each: C := (P J)' A, core x columns, and own := A' P A.
   void weigh(const Eigen::Ref<const Eigen::MatrixXd>& A, Eigen::Ref<Eigen::MatrixXd> C,
              MotionMatrix& own) const;
-  Eigen::Vector2d weighed_residual(int pixel) const { return e_.segment<2>(2 * pixel); }
 
  private:
   // Columns that all rows may touch: the anchor, the scene, and states that are in the core.
@@ -61,11 +60,12 @@ class LandmarkBlock {
   };
 
   void lay_out(const Graph& graph, const GraphLandmark& landmark);
-  void fill(const GraphLandmark& landmark);
+  void share_core(const Graph& graph, const GraphLandmark& landmark);
+  void fill(const Graph& graph, const GraphLandmark& landmark);
   void fill_row(const GraphPixel& pixel, Eigen::Index row);
   void fill_birth(const GraphLandmark& landmark);
+  void fill_prior(const Graph& graph);
   void damp_noises(const GraphLandmark& landmark, double damping);
-  void weigh();
   void eliminate_states(const Graph& graph, const GraphLandmark& landmark, double damping);
   void advance(const ChainStep& step, std::size_t index, Eigen::Index rows);
 
@@ -73,8 +73,10 @@ class LandmarkBlock {
   int first_private_ = 0;    // of the states; those before it are in the core
   bool independent_ = true;  // nothing private: P = I
   std::vector<Shared> shared_;
-  int shared_cols_ = 0;
-  std::vector<int> poses_;  // of each pixel: the core row of its camera
+  int shared_cols_ = 0, scene_column_ = 0;
+  MarginalPrior::OwnRows own_;  // of a considered landmark: what the prior says of it is its own
+  int own_column_ = 0;          // of the shared ones: the first of the prior's
+  std::vector<int> poses_;      // of each pixel: the core row of its camera
 
   GrowingMatrix A_;  // rows x 6, of the pixel's camera
   GrowingMatrix X_;  // rows x states

@@ -20,8 +20,7 @@ void LocalElimination::compute(const Graph& graph, const Departure& departure, V
   eliminated_rows_ = triangularise_(*A_, starts_, eliminated_, eliminated_).rows_of_first;
 }
 
-// x_d, and dx_0 = Psi dx_d + N dn. F is taken at the current estimate; with linearisation points of
-// the noises, that is, at the truth, it is that of the factors.
+// x_d, and dx_0 = Psi dx_d + N dn. F is taken at the current estimate.
 void LocalElimination::follow_chain(const Graph& graph, const GraphLandmark& l) {
   const LandmarkFunctions& model = *graph.models().landmark;
   next = graph.variables[l.y].value;
@@ -30,7 +29,7 @@ void LocalElimination::follow_chain(const Graph& graph, const GraphLandmark& l) 
   N_.resize(dim_, noises_);
   for (int j = 0; j < departure_.steps; ++j) {
     const ChainStep& step = l.chain[static_cast<std::size_t>(j)];
-    const LandmarkMatrix F = step.noise_point ? step.F : model.predict_jacobian(next, step.dt);
+    const LandmarkMatrix F = model.predict_jacobian(next, step.dt);
     Psi = (Psi * F.inverse()).eval();
     (*N_).middleCols(j * dim_, dim_) = -Psi.lazyProduct(step.G);
     next = model.predict(next, step.dt) + step.G.lazyProduct(step.noise);
@@ -61,7 +60,7 @@ void LocalElimination::lay_out(const Graph& graph, const GraphLandmark& l, Varia
                       departure_.forgets_w || departure_.leaves);
   }
   y_column_ = place(l.y, y.is_private, departure_.leaves);
-  held_column_ = l.held ? place(l.held->w, false, false) : -1;
+  constrained_column_ = l.constrained ? place(l.constrained->w, false, false) : -1;
   const auto touch = [&](VariableId id) {
     const int dim = graph.variables[id].dim();
     if (std::ranges::find(segments_, id, &Segment::variable) != segments_.end()) return;
@@ -69,7 +68,7 @@ void LocalElimination::lay_out(const Graph& graph, const GraphLandmark& l, Varia
     column += dim;
   };
   for (const GraphPixel& pixel : l.pixels) {
-    if (!takes(pixel, oldest)) continue;
+    if (!departure_.takes(pixel, oldest)) continue;
     if (!pixel.z.here) {
       touch(pixel.position);
       touch(l.anchor);
@@ -81,10 +80,10 @@ void LocalElimination::lay_out(const Graph& graph, const GraphLandmark& l, Varia
     if (l.birth.kind == BirthPrior::Kind::kSharedDepth) touch(l.birth.scene);
   }
   Eigen::Index rows = noises_;
-  for (const GraphPixel& pixel : l.pixels) rows += takes(pixel, oldest) ? 2 : 0;
+  for (const GraphPixel& pixel : l.pixels) rows += departure_.takes(pixel, oldest) ? 2 : 0;
   if (takes_birth(l, oldest)) rows += l.birth.rows();
   if (departure_.absorbs_prior_of_w) rows += l.w_sigmas.size();
-  if (l.held) rows += l.held->sigmas.size();
+  if (l.constrained) rows += l.constrained->sigmas.size();
   A_.resize(rows, column + 1);
   (*A_).setZero();
 }
@@ -117,15 +116,13 @@ void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, Variable
     residual.segment(row, dim_) = l.chain[static_cast<std::size_t>(j)].noise;
   }
   for (const GraphPixel& pixel : l.pixels) {
-    if (!takes(pixel, oldest)) continue;
+    if (!departure_.takes(pixel, oldest)) continue;
     LandmarkMatrix on_state = LandmarkMatrix::Zero(2, dim_);
     on_state.leftCols<3>() = pixel.at.J_y;
+    // One that has been released has not moved along its chain yet.
+    if (l.is_free() && pixel.J_w.cols() > 0) on_state.rightCols(dim_ - 3) = pixel.J_w;
     fill_on_state(row, 2, pixel.depth, on_state, l);
-    if (l.held) {
-      const Eigen::Vector3d y = graph.variables[l.y].value;
-      const auto F = moved_from_rest(*graph.models().landmark, y, departure_.since_rest);
-      A.block(row, held_column_, 2, F.cols()) = pixel.at.J_y * F;
-    }
+    if (l.constrained) A.block(row, constrained_column_, 2, pixel.J_w.cols()) = pixel.J_w;
     if (!pixel.z.here) {
       A.block<2, 3>(row, column(pixel.position)) = pixel.at.J_pose.leftCols<3>();
       A.block<2, 3>(row, column(l.anchor)) += pixel.at.J_anchor;
@@ -148,9 +145,10 @@ void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, Variable
     residual.segment(row, rows) = l.birth.r.head(rows);
     row += rows;
   }
-  if (l.held) {
-    const Eigen::Index motion = l.held->sigmas.size();
-    A.block(row, held_column_, motion, motion) = l.held->sigmas.cwiseInverse().asDiagonal();
+  if (l.constrained) {
+    const Eigen::Index motion = l.constrained->sigmas.size();
+    A.block(row, constrained_column_, motion, motion) =
+        l.constrained->sigmas.cwiseInverse().asDiagonal();
   }
   if (!departure_.absorbs_prior_of_w || l.w_sigmas.size() == 0) return;
   const Eigen::Index motion = l.w_sigmas.size();

@@ -9,6 +9,8 @@
 // so that only as many of them as x has numbers reach it: dx_0 = Psi dx_d + noise_gain dn.
 #pragma once
 
+#include <limits>
+
 #include "smoothers/graph/graph.h"
 #include "smoothers/linear/triangularise.h"
 
@@ -19,9 +21,14 @@ struct Departure {
   int steps = 0;          // of the chain that the base moves on
   bool all_rows = false;  // else the oldest camera's only; `steps` is then the whole chain
   bool absorbs_prior_of_w = false;
-  bool forgets_w = false;   // it is static from then on
-  bool leaves = false;      // all of it
-  double since_rest = 0.0;  // of one whose motion is held: the oldest frame, after that of y [s]
+  bool forgets_w = false;  // it is static from then on
+  bool leaves = false;     // all of it
+  double until = kNever;   // measurements up to this time go too [s]
+
+  bool takes(const GraphPixel& pixel, VariableId oldest) const {
+    return all_rows || pixel.position == oldest || pixel.time <= until;
+  }
+  static constexpr double kNever = -std::numeric_limits<double>::infinity();
 };
 
 class LocalElimination {
@@ -54,19 +61,16 @@ class LocalElimination {
                      const GraphLandmark& landmark);
   void rotate_noises();
   void follow_chain(const Graph& graph, const GraphLandmark& landmark);
-  bool takes(const GraphPixel& pixel, VariableId oldest) const {
-    return departure_.all_rows || pixel.position == oldest;
-  }
   bool takes_birth(const GraphLandmark& landmark, VariableId oldest) const {
     return departure_.all_rows || landmark.anchor == oldest;
   }
 
   Departure departure_;
   bool substitutes_ = false;
-  int dim_ = 3;                                        // of x
-  int noises_ = 0;                                     // columns of all noises
-  int eliminated_ = 0;                                 // columns
-  int y_column_ = 0, w_column_ = 0, held_column_ = 0;  // -1: none
+  int dim_ = 3;                                               // of x
+  int noises_ = 0;                                            // columns of all noises
+  int eliminated_ = 0;                                        // columns
+  int y_column_ = 0, w_column_ = 0, constrained_column_ = 0;  // -1: none
   Eigen::Index eliminated_rows_ = 0;
   std::vector<Segment> segments_;
   GrowingMatrix N_, A_;

@@ -6,93 +6,103 @@
 
 namespace slammot {
 
-namespace {
-
-// Marks in Variable::column, before a column is given.
-constexpr int kNone = -1, kLeaving = -2, kInPrior = -3;
-
-}  // namespace
-
 void Leaving::clear() {
   oldest.reset();
   departures.clear();
   anchors.clear();
   deactivated.clear();
+  apart = -1;
 }
 
 void Marginaliser::take(Variable& v) {
-  if (v.column >= 0) return;
+  if (v.column >= 0 || v.is_own) return;
   v.column = total_;
   total_ += v.dim();
   order_.push_back(&v);
 }
 
-// The noises of substitutions, what the prior holds and leaves, what else leaves, what is
-// deactivated; then what moves on along its chain, what is new to the prior, and the rest of the
-// prior as it was: its rows remain a triangle there.
-void Marginaliser::order_columns(Graph& graph, const Leaving& leaving) {
-  graph.variables.for_each([](Variable& v) { v.column = kNone; });
-  order_.clear();
-  total_ = 0;
-  std::vector<VariableId>& going = going_;
-  going.clear();
-  if (leaving.oldest) going = {leaving.oldest->orientation, leaving.oldest->rates};
-  going.insert(going.end(), leaving.anchors.begin(), leaving.anchors.end());
+// Variables that will be no more.
+void Marginaliser::find_going(const Graph& graph, const Leaving& leaving) {
+  going_.clear();
+  if (leaving.oldest) going_ = {leaving.oldest->orientation, leaving.oldest->rates};
+  going_.insert(going_.end(), leaving.anchors.begin(), leaving.anchors.end());
   for (const Departure& d : leaving.departures) {
     const GraphLandmark& l = graph[d.landmark];
-    if (l.is_free() && (d.forgets_w || d.leaves)) going.push_back(l.w);
-    if (d.leaves) going.push_back(l.y);
+    if (l.is_free() && (d.forgets_w || d.leaves)) going_.push_back(l.w);
+    if (d.leaves) going_.push_back(l.y);
   }
-  for (const VariableId id : going) graph.variables[id].column = kLeaving;
-  const auto& blocks = graph.prior().active.blocks();
+}
+
+// The noises of substitutions, what the prior holds and leaves, what else leaves, what is
+// deactivated; then what moves on along its chain, what is new to the prior, and the rest of the
+// prior as it was: its rows remain a triangle there. Considered landmarks have no columns.
+void Marginaliser::order_columns(Graph& graph, const Leaving& leaving) {
+  graph.variables.for_each([](Variable& v) { v.column = -1; });
+  order_.clear();
+  total_ = 0;
   for (std::size_t i = 0; i < local_count_; ++i) {
+    if (is_own(graph, i)) continue;
     locals_[i].noise_column = total_;
     total_ += locals_[i].noise_dim();
   }
-  for (const MarginalPrior::Block& b : blocks) {
-    Variable& v = graph.variables[b.variable->id];
-    if (v.column == kLeaving) take(v);
-  }
-  const auto touched = [&](auto&& function) {
-    for (std::size_t i = 0; i < local_count_; ++i) {
-      for (const auto& s : locals_[i].segments()) {
-        if (s.variable >= 0) function(graph.variables[s.variable]);
-      }
+  take_leaving(graph, leaving);
+  gone_ = total_;
+  for (std::size_t i = 0; i < local_count_; ++i) {
+    const GraphLandmark& l = graph[locals_[i].departure().landmark];
+    if (locals_[i].departure().steps == 0) continue;
+    for (const VariableId id : {l.y, l.w}) {
+      // What leaves and has no column is not in any row.
+      if (!leaves_[static_cast<std::size_t>(id)]) take(graph.variables[id]);
     }
+  }
+  take_new(graph, leaving);
+  for (const MarginalPrior::Block& b : graph.prior().active.blocks()) {
+    take(graph.variables[b.variable->id]);
+  }
+}
+
+void Marginaliser::take_leaving(Graph& graph, const Leaving& leaving) {
+  leaves_.assign(graph.variables.size(), false);
+  for (const VariableId id : going_) leaves_[static_cast<std::size_t>(id)] = true;
+  const auto take_if_leaving = [&](VariableId id) {
+    if (id >= 0 && leaves_[static_cast<std::size_t>(id)]) take(graph.variables[id]);
   };
-  touched([&](Variable& v) {
-    if (v.column == kLeaving) take(v);
-  });
+  for (const MarginalPrior::Block& b : graph.prior().active.blocks()) {
+    take_if_leaving(b.variable->id);
+  }
+  if (leaving.apart >= 0) {
+    const GraphLandmark& l = graph[leaving.apart];
+    for (const VariableId id : {l.y, l.w}) {
+      if (graph.prior().active.find(id)) take(graph.variables[id]);
+    }
+  }
+  for (std::size_t i = 0; i < local_count_; ++i) {
+    for (const auto& s : locals_[i].segments()) take_if_leaving(s.variable);
+  }
   if (leaving.oldest) {
     take(graph.variables[leaving.oldest->orientation]);
     take(graph.variables[leaving.oldest->rates]);
   }
   for (const VariableId id : leaving.anchors) take(graph.variables[id]);
   for (const VariableId id : leaving.deactivated) take(graph.variables[id]);
-  gone_ = total_;
-  for (std::size_t i = 0; i < local_count_; ++i) {
-    const GraphLandmark& l = graph[locals_[i].departure().landmark];
-    if (locals_[i].departure().steps == 0) continue;
-    if (graph.variables[l.y].column == kNone) take(graph.variables[l.y]);
-    if (graph.variables[l.w].column == kNone) take(graph.variables[l.w]);
+}
+
+// What the prior has not held so far.
+void Marginaliser::take_new(Graph& graph, const Leaving& leaving) {
+  in_prior_.assign(graph.variables.size(), false);
+  for (const MarginalPrior::Block& b : graph.prior().active.blocks()) {
+    in_prior_[static_cast<std::size_t>(b.variable->id)] = true;
   }
-  for (const MarginalPrior::Block& b : blocks) {
-    Variable& v = graph.variables[b.variable->id];
-    if (v.column == kNone) v.column = kInPrior;
-  }
-  const auto take_new = [&](Variable& v) {
-    if (v.column == kNone) take(v);
+  const auto take_if_new = [&](VariableId id) {
+    if (id >= 0 && !in_prior_[static_cast<std::size_t>(id)]) take(graph.variables[id]);
   };
-  touched(take_new);
-  if (leaving.oldest) {
-    take_new(graph.variables[leaving.oldest->position]);
-    if (!graph.motions.empty()) {
-      for (const CameraPart& p : parts(graph.motions.front().to)) {
-        take_new(graph.variables[p.variable]);
-      }
-    }
+  for (std::size_t i = 0; i < local_count_; ++i) {
+    for (const auto& s : locals_[i].segments()) take_if_new(s.variable);
   }
-  for (const MarginalPrior::Block& b : blocks) take(graph.variables[b.variable->id]);
+  if (!leaving.oldest) return;
+  take_if_new(leaving.oldest->position);
+  if (graph.motions.empty()) return;
+  for (const CameraPart& p : parts(graph.motions.front().to)) take_if_new(p.variable);
 }
 
 void Marginaliser::update_landmark(Graph& graph, const LocalElimination& local,
@@ -107,10 +117,10 @@ void Marginaliser::update_landmark(Graph& graph, const LocalElimination& local,
     l.chain.erase(l.chain.begin(), l.chain.begin() + d.steps);
   }
   if (d.all_rows || l.anchor == oldest) l.birth = {};
-  std::erase_if(l.pixels, [&](const GraphPixel& p) { return d.all_rows || p.position == oldest; });
+  std::erase_if(l.pixels, [&](const GraphPixel& p) { return d.takes(p, oldest); });
   for (GraphPixel& p : l.pixels) p.depth -= d.steps;
   if (d.absorbs_prior_of_w) l.w_sigmas.resize(0);
-  if (l.held) l.held->sigmas.resize(0);
+  if (l.constrained) l.constrained->sigmas.resize(0);
 }
 
 void Marginaliser::operator()(Graph& graph, const Leaving& leaving) {
@@ -121,6 +131,7 @@ void Marginaliser::operator()(Graph& graph, const Leaving& leaving) {
   for (std::size_t i = 0; i < local_count_; ++i) {
     locals_[i].compute(graph, leaving.departures[i], oldest);
   }
+  find_going(graph, leaving);
   order_columns(graph, leaving);
   ConditionalMap& map = graph.prior().inactive;
   map.relinearise(graph.prior().active, total_);
@@ -134,16 +145,71 @@ void Marginaliser::operator()(Graph& graph, const Leaving& leaving) {
   }
   const Triangularise::Staircase rows = triangularise_(*A_, sorted_starts_, gone_, total_);
   update_map(graph, leaving, rows);
-
+  compute_own(graph, leaving, rows);
   for (std::size_t i = 0; i < local_count_; ++i) update_landmark(graph, locals_[i], leaving);
+  set_prior(graph, rows);
+  remove(graph, leaving);
+}
+
+// Considered landmarks of which something leaves, or of which the prior knows.
+void Marginaliser::compute_own(const Graph& graph, const Leaving& leaving,
+                               const Triangularise::Staircase& rows) {
+  own_count_ = 0;
+  const auto gone_rows = (*A_).topRows(std::min<Eigen::Index>(rows.rows_of_first, gone_));
+  for (std::size_t i = 0; i < graph.landmarks.size(); ++i) {
+    const auto id = static_cast<LandmarkId>(i);
+    const GraphLandmark& l = graph[id];
+    if (!l.is_alive || !l.is_considered) continue;
+    const auto last = locals_.begin() + static_cast<std::ptrdiff_t>(local_count_);
+    const auto local = std::find_if(locals_.begin(), last, [&](const LocalElimination& other) {
+      return other.departure().landmark == id;
+    });
+    if (local != last && local->departure().leaves) continue;
+    if (local == last && graph.prior().active.find(l.y) == nullptr) continue;
+    OwnMarginal& own = next_own();
+    own.compute(graph, id, local == last ? nullptr : &*local, gone_, total_);
+    own.eliminate(gone_rows);
+  }
+  if (leaving.apart >= 0) next_own().take(graph, leaving.apart, gone_rows);
+}
+
+OwnMarginal& Marginaliser::next_own() {
+  if (owns_.size() == own_count_) owns_.emplace_back();
+  return owns_[own_count_++];
+}
+
+// Considered landmarks first, each beside the core and no other, and then the core.
+void Marginaliser::set_prior(Graph& graph, const Triangularise::Staircase& rows) {
   std::erase_if(order_, [&](const Variable* v) { return v->column < gone_; });
   const Eigen::Index kept = rows.rows - rows.rows_of_first;
   // A prior that says nothing touches nothing.
-  if (kept == 0 && map.empty()) order_.clear();
+  if (kept == 0 && graph.prior().inactive.empty() && own_count_ == 0) order_.clear();
   const Eigen::Index cols = order_.empty() ? 0 : total_ - gone_;
-  graph.prior().active.set(order_, (*A_).block(rows.rows_of_first, gone_, kept, cols),
-                           (*A_).col(total_).segment(rows.rows_of_first, kept));
-  remove(graph, leaving);
+  Eigen::Index own = 0;
+  own_order_.clear();
+  for (std::size_t i = 0; i < own_count_; ++i) {
+    own += owns_[i].dim();
+    for (const VariableId id : owns_[i].variables()) own_order_.push_back(&graph.variables[id]);
+  }
+  R_.resize(own + kept, own + cols + 1);
+  auto R = (*R_).leftCols(own + cols);
+  auto r = (*R_).col(own + cols);
+  R.topRows(own).setZero();
+  R.bottomLeftCorner(kept, own).setZero();
+  R.bottomRightCorner(kept, cols) = (*A_).block(rows.rows_of_first, gone_, kept, cols);
+  r.tail(kept) = (*A_).col(total_).segment(rows.rows_of_first, kept);
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < own_count_; ++i) {
+    const auto of = owns_[i].rows();
+    const int dim = owns_[i].dim();
+    R.block(row, row, dim, dim) = of.leftCols(dim);
+    R.block(row, own, dim, cols) = of.middleCols(dim, cols);
+    r.segment(row, dim) = of.col(of.cols() - 1);
+    row += dim;
+  }
+  order_.insert(order_.begin(), own_order_.begin(), own_order_.end());
+  graph.prior().active.set(order_, R, r);
+  graph.prior().inactive.add_independent(own);
 }
 
 // Variables that are gone, and the factors of the oldest camera.

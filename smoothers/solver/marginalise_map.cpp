@@ -20,13 +20,13 @@ void Marginaliser::update_map(Graph& graph, const Leaving& leaving,
     for (int k = 0; k < v.dim(); ++k) changed.push_back(v.column + k);
   };
   for (const MarginalPrior::Block& b : graph.prior().active.blocks()) {
-    if (b.variable->column < gone_) change(*b.variable);
+    if (b.variable->column < gone_ && !b.variable->is_own) change(*b.variable);
   }
   for (const VariableId id : leaving.deactivated) {
     if (graph.prior().active.find(id) == nullptr) change(graph.variables[id]);
   }
   for (std::size_t k = 0; k < local_count_; ++k) {
-    if (!locals_[k].substitutes()) continue;
+    if (!locals_[k].substitutes() || is_own(graph, k)) continue;
     const GraphLandmark& l = graph[locals_[k].departure().landmark];
     for (const VariableId id : {l.y, l.w}) {
       const bool is_held = graph.prior().active.find(id) != nullptr;
@@ -37,7 +37,7 @@ void Marginaliser::update_map(Graph& graph, const Leaving& leaving,
   for (std::size_t i = 0; i < changed.size(); ++i) T(static_cast<int>(i), changed[i]) = 1.0;
   for (std::size_t k = 0; k < local_count_; ++k) {
     const LocalElimination& local = locals_[k];
-    if (!local.substitutes()) continue;
+    if (!local.substitutes() || is_own(graph, k)) continue;
     const GraphLandmark& l = graph[local.departure().landmark];
     const int y = graph.variables[l.y].column, w = graph.variables[l.w].column;
     const auto row_of = [&](int column) {

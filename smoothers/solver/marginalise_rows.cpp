@@ -15,6 +15,7 @@ void Marginaliser::add_rows(int start, Eigen::Index count) {
 void Marginaliser::count_rows(const Graph& graph, const Leaving& leaving) {
   starts_.clear();
   for (std::size_t i = 0; i < local_count_; ++i) {
+    if (is_own(graph, i)) continue;
     int start = total_;
     for (const auto& s : locals_[i].segments()) {
       start = std::min(
@@ -53,7 +54,8 @@ void Marginaliser::count_rows(const Graph& graph, const Leaving& leaving) {
   }
 }
 
-// A row of the prior that begins at some block of it touches that block and all later ones.
+// A row of the prior that begins at some block of it touches that block and all later ones. Those
+// of considered landmarks are left empty.
 void Marginaliser::count_prior_rows(const Graph& graph) {
   const MarginalPrior& prior = graph.prior().active;
   first_from_.assign(static_cast<std::size_t>(prior.cols()) + 1, total_);
@@ -62,9 +64,10 @@ void Marginaliser::count_prior_rows(const Graph& graph) {
   };
   for (std::size_t k = prior.blocks().size(); k-- > 0;) {
     const MarginalPrior::Block& b = prior.blocks()[k];
-    int start = std::min(b.variable->column, from(b.offset + b.dim()));
+    const int after = from(b.offset + b.dim());
+    int start = b.variable->is_own ? after : std::min(b.variable->column, after);
     for (std::size_t i = 0; i < local_count_; ++i) {
-      if (!locals_[i].substitutes()) continue;
+      if (!locals_[i].substitutes() || is_own(graph, i)) continue;
       const GraphLandmark& l = graph[locals_[i].departure().landmark];
       if (l.y == b.variable->id || l.w == b.variable->id) {
         start = std::min(start, locals_[i].noise_column);
@@ -90,6 +93,7 @@ void Marginaliser::fill(const Graph& graph, const Leaving& leaving) {
     }
   };
   for (std::size_t k = 0; k < local_count_; ++k) {
+    if (is_own(graph, k)) continue;
     const auto rows = locals_[k].rows();
     for (const auto& s : locals_[k].segments()) {
       const int column =
@@ -136,6 +140,7 @@ void Marginaliser::fill_prior(const Graph& graph, Eigen::Index first) {
     }
   };
   for (const MarginalPrior::Block& b : prior.blocks()) {
+    if (b.variable->is_own) continue;
     put(R.middleCols(b.offset, b.dim()).topRows(rows_until(b.offset + b.dim())),
         b.variable->column);
   }
@@ -143,7 +148,7 @@ void Marginaliser::fill_prior(const Graph& graph, Eigen::Index first) {
   // dx_0 = Psi dx_d + noise_gain dn in the columns of what moves on.
   for (std::size_t k = 0; k < local_count_; ++k) {
     const LocalElimination& local = locals_[k];
-    if (!local.substitutes()) continue;
+    if (!local.substitutes() || is_own(graph, k)) continue;
     const GraphLandmark& l = graph[local.departure().landmark];
     const int y = graph.variables[l.y].column, w = graph.variables[l.w].column;
     const MarginalPrior::Block* y_0 = prior.find(l.y);
@@ -163,6 +168,13 @@ void Marginaliser::fill_prior(const Graph& graph, Eigen::Index first) {
     put(of_x.leftCols<3>(), y);
     put(of_x.rightCols(motion), w);
     put(of_noise, local.noise_column);
+  }
+  for (const MarginalPrior::Block& b : prior.blocks()) {
+    if (!b.variable->is_own) continue;
+    const MarginalPrior::OwnRows own = prior.own_rows(b.variable->id, -1);
+    for (Eigen::Index i = 0; i < own.count; ++i) {
+      (*A_).row(row_[static_cast<std::size_t>(first + own.first + i)]).setZero();
+    }
   }
 }
 

@@ -185,6 +185,8 @@ void NormalEquations::project(LandmarkId id, const Eigen::Ref<const Eigen::Matri
   add(piece(joint.state), kCameraDim + 3);
 }
 
+void NormalEquations::whiten(Eigen::Ref<Eigen::MatrixXd> C) const { solve_lower_in_place(*S_, C); }
+
 void NormalEquations::fill_joint(LandmarkId id) {
   Joint& joint = joints_[static_cast<std::size_t>(id)];
   JointMatrix& P = joint.covariance;

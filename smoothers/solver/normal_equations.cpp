@@ -40,13 +40,14 @@ void NormalEquations::place(Graph& graph) {
   constexpr int kOfPrior = -2;
   core_dim_ = 0;
   const auto to_core = [&](Variable& v) {
-    if (v.core >= 0 || v.is_held) return;
+    if (v.core >= 0 || v.is_constrained || v.is_own) return;
     v.core = core_dim_;
     core_dim_ += v.dim();
   };
   graph.variables.for_each([](Variable& v) { v.core = -1; });
   for (const MarginalPrior::Block& block : graph.prior().active.blocks()) {
-    if (!block.variable->is_held) graph.variables[block.variable->id].core = kOfPrior;
+    const bool has_place = !block.variable->is_constrained && !block.variable->is_own;
+    if (has_place) graph.variables[block.variable->id].core = kOfPrior;
   }
   const auto& motions = graph.motions;
   for (std::size_t i = motions.size(); i-- > 1;) {
@@ -167,7 +168,7 @@ void NormalEquations::add_blocks(const Graph& graph, double damping) {
   joints_.resize(blocks_.size());
   for (std::size_t id = 0; id < graph.landmarks.size(); ++id) {
     const GraphLandmark& landmark = graph.landmarks[id];
-    if (!landmark.is_alive || !graph.variables[landmark.y].is_active) continue;
+    if (!graph.is_in_core(landmark)) continue;
     blocks_[id].eliminate(graph, landmark, damping);
     blocks_[id].add_to(*S_, g_);
     if (damping > 0.0) blocks_[id].add_squares(squares_);
@@ -191,12 +192,19 @@ void NormalEquations::solve(Graph& graph) const {
   if (!core_.allFinite()) throw Diverged("the step of the window is not finite");
   graph.variables.for_each([&](Variable& v) {
     if (v.core >= 0) v.step = core_.segment(v.core, v.dim());
+    if (v.is_own) v.step.setZero(v.dim());
   });
   for (std::size_t id = 0; id < graph.landmarks.size(); ++id) {
     GraphLandmark& landmark = graph.landmarks[id];
-    if (!landmark.is_alive || !graph.variables[landmark.y].is_active) continue;
-    blocks_[id].step(core_, graph, landmark);
+    if (graph.is_in_core(landmark)) blocks_[id].step(core_, graph, landmark);
   }
+}
+
+void NormalEquations::solve_alone(Graph& graph, LandmarkId id, double damping) {
+  LandmarkBlock& block = blocks_[static_cast<std::size_t>(id)];
+  block.eliminate(graph, graph[id], damping);
+  core_.setZero(core_dim_);
+  block.step(core_, graph, graph[id]);
 }
 
 void NormalEquations::follow_step(const Graph& graph) {

@@ -20,17 +20,21 @@ class NormalEquations {
  public:
   // `camera`: whose marginal will be asked for. `damping` multiplies the diagonal of H by
   // 1 + damping (Marquardt 1963); covariances want none. Throws Diverged when H is not positive
-  // definite.
+  // definite. Considered landmarks have no part in it, and wait for add().
   void factorise(Graph& graph, const GraphCamera& camera, double damping = 0.0);
 
-  // dx = -H^-1 J'r, as Variable::step and ChainStep::step. Throws Diverged when it is not finite.
+  // dx = -H^-1 J'r, as Variable::step and ChainStep::step, of all but considered landmarks. Throws
+  // Diverged when it is not finite.
   void solve(Graph& graph) const;
 
   // After solve() and Graph::retract(): marginals are asked for in the tangent spaces there.
   // (Before, or when no step was taken, in those of the linearisation.)
   void follow_step(const Graph& graph);
 
-  // A landmark that has been added since says nothing about the core yet.
+  // The step of a considered landmark given the core, which stays where it is.
+  void solve_alone(Graph& graph, LandmarkId id, double damping);
+
+  // A landmark that has been added since says nothing about the core yet; a considered one never.
   void add(const Graph& graph, LandmarkId id);
 
   // Covariance of the camera; and of any other of the graph, at the linearisation.

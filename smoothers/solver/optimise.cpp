@@ -12,13 +12,6 @@ constexpr int kTries = 8;
 constexpr int kHalvings = 2;
 constexpr double kRounding = 1e-9;  // a cost that is higher by less is not higher
 
-void clear_step(Graph& graph) {
-  graph.variables.for_each([](Variable& v) { v.step.setZero(v.dim()); });
-  for (GraphLandmark& landmark : graph.landmarks) {
-    for (ChainStep& step : landmark.chain) step.step.setZero(step.noise.size());
-  }
-}
-
 void halve_step(Graph& graph) {
   graph.variables.for_each([](Variable& v) { v.step *= 0.5; });
   for (GraphLandmark& landmark : graph.landmarks) {
@@ -56,7 +49,7 @@ std::optional<Optimiser::Step> Optimiser::find_step(Graph& graph, const GraphCam
     }
     damping = std::max(kFirstDamping, kDampingFactor * damping);
   }
-  clear_step(graph);
+  graph.clear_steps();
   return std::nullopt;
 }
 
@@ -70,8 +63,8 @@ bool Optimiser::is_last(const Graph& graph, const Step& step, double before, dou
          gain < step.outcome.cost_of(tolerance);
 }
 
-void Optimiser::operator()(Graph& graph, const GraphCamera& camera, int iterations,
-                           double tolerance) {
+int Optimiser::operator()(Graph& graph, const GraphCamera& camera, int iterations,
+                          double tolerance) {
   double damping = 0.0;
   for (int i = 1;; ++i) {
     const double before = graph.linearise();
@@ -89,12 +82,14 @@ void Optimiser::operator()(Graph& graph, const GraphCamera& camera, int iteratio
     }
     graph.retract();
     equations_.follow_step(graph);
-    if (last) return;
+    if (!last) continue;
+    solve_considered(graph, iterations, tolerance);
+    return i;
   }
 }
 
 void Optimiser::take_step(Graph& graph, const GraphCamera& camera) {
-  clear_step(graph);
+  graph.clear_steps();
   const double before = graph.try_step().cost();
   equations_.factorise(graph, camera);
   equations_.solve(graph);
@@ -102,13 +97,61 @@ void Optimiser::take_step(Graph& graph, const GraphCamera& camera) {
   const bool takes_any = rule_ == StepRule::kEvery || graph.fixed_points();
   for (int i = 0; !takes_any && graph.try_step().cost() > before + kRounding; ++i) {
     if (i == kTries) {
-      clear_step(graph);
+      graph.clear_steps();
       break;
     }
     halve_step(graph);
   }
   graph.retract();
   equations_.follow_step(graph);
+  solve_considered(graph, 1, 0.0);
+}
+
+void Optimiser::factorise(Graph& graph, const GraphCamera& camera) {
+  equations_.factorise(graph, camera);
+  for (std::size_t id = 0; id < graph.landmarks.size(); ++id) {
+    if (graph.landmarks[id].is_considered) equations_.add(graph, static_cast<LandmarkId>(id));
+  }
+}
+
+void Optimiser::solve_considered(Graph& graph, int iterations, double tolerance) {
+  bool has_begun = false;
+  for (std::size_t i = 0; i < graph.landmarks.size(); ++i) {
+    if (!graph.landmarks[i].is_considered) continue;
+    if (!has_begun) graph.clear_steps();
+    has_begun = true;
+    const auto id = static_cast<LandmarkId>(i);
+    solve_alone(graph, id, iterations, tolerance);
+    equations_.add(graph, id);
+  }
+}
+
+void Optimiser::solve_alone(Graph& graph, LandmarkId id, int iterations, double tolerance) {
+  double damping = 0.0;
+  for (int i = 0; i < iterations; ++i) {
+    const double before = 0.5 * graph.linearise(graph[id]) + graph.own_cost(id);
+    const auto step = find_own_step(graph, id, before, damping);
+    if (!step) return;
+    const bool is_enough = is_last(graph, *step, before, damping, tolerance);
+    graph.take_own_step(id);
+    if (is_enough) return;
+    damping = damping > kFirstDamping ? damping / kDampingFactor : 0.0;
+  }
+}
+
+// As find_step().
+std::optional<Optimiser::Step> Optimiser::find_own_step(Graph& graph, LandmarkId id, double before,
+                                                        double& damping) {
+  for (int i = 0; i <= kTries; ++i) {
+    equations_.solve_alone(graph, id, damping);
+    const bool is_limited = graph.limit_step();
+    Step step{graph.try_own_step(id), is_limited || damping > 0.0};
+    const double rise = graph.fixed_points() ? step.outcome.cost_of(0.01) : kRounding;
+    if (rule_ == StepRule::kEvery || step.outcome.cost() <= before + rise) return step;
+    damping = std::max(kFirstDamping, kDampingFactor * damping);
+  }
+  graph.clear_steps();
+  return std::nullopt;
 }
 
 }  // namespace slammot

@@ -7,8 +7,7 @@
 
 namespace slammot {
 
-// Steps that raise the cost are refused | every step is taken: as in an EKF, or since the Jacobians
-// are those of the truth, and what is learnt must not depend on the measurements.
+// Steps that raise the cost are refused | every step is taken, as in an EKF.
 enum class StepRule { kDescent, kEvery };
 
 class Optimiser {
@@ -24,12 +23,16 @@ class Optimiser {
   // A step of Gauss-Newton that raises the cost is not taken but halved, and then tried again with
   // more damping (Marquardt 1963). Steps to far points are limited (Graph::limit_step). A single
   // iteration is taken whatever the cost says, as in an EKF, and so are all steps with
-  // StepRule::kEvery. Throws Diverged as NormalEquations does.
-  void operator()(Graph& graph, const GraphCamera& camera, int iterations, double tolerance);
+  // StepRule::kEvery. Considered landmarks are solved for afterwards, one by one, given all the
+  // rest. Throws Diverged as NormalEquations does. Returns the number of linearisations.
+  int operator()(Graph& graph, const GraphCamera& camera, int iterations, double tolerance);
 
   // One step from the stored linearisation. One that raises the cost is halved until it does not,
   // or else not taken, unless points are fixed.
   void take_step(Graph& graph, const GraphCamera& camera);
+
+  // Of the stored linearisation, which nothing has been solved for.
+  void factorise(Graph& graph, const GraphCamera& camera);
 
   bool takes_every_step() const { return rule_ == StepRule::kEvery; }
 
@@ -44,6 +47,9 @@ class Optimiser {
   };
   std::optional<Step> find_step(Graph& graph, const GraphCamera& camera, double before,
                                 double tolerance, bool is_last, double& damping);
+  void solve_considered(Graph& graph, int iterations, double tolerance);
+  void solve_alone(Graph& graph, LandmarkId id, int iterations, double tolerance);
+  std::optional<Step> find_own_step(Graph& graph, LandmarkId id, double before, double& damping);
   static bool is_last(const Graph& graph, const Step& step, double before, double damping,
                       double tolerance);
 

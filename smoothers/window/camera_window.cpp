@@ -2,20 +2,11 @@
 
 #include <algorithm>
 
-#include "models/landmarks/true_state.h"
-
 namespace slammot {
 
 void CameraWindow::add(const Frame& frame, int number, const CameraState& x) {
   frames_.push_back({number, frame.index, frame.timestamp, graph_.add_camera(x)});
-  if (!truth_) return;
-  const GraphCamera& camera = newest().camera;
-  const CameraState at = true_camera(*truth_, frame.index);
-  Vector6d rates;
-  rates << at.velocity, at.angular_velocity;
-  graph_.variables[camera.position].linearisation_point = at.position;
-  graph_.variables[camera.orientation].linearisation_point = at.orientation.coeffs();
-  graph_.variables[camera.rates].linearisation_point = rates;
+  frames_.back().camera.time = frame.timestamp;
 }
 
 void CameraWindow::start(const Frame& frame, const InitialCamera& initial) {
@@ -25,9 +16,9 @@ void CameraWindow::start(const Frame& frame, const InitialCamera& initial) {
 
 void CameraWindow::advance(const Frame& frame, double dt, const MotionNoise& noise) {
   const WindowFrame last = newest();
-  const CameraState x = state(last), at = truth_ ? true_camera(*truth_, last.index) : x;
+  const CameraState x = state(last);
   add(frame, last.number + 1, predict(x, dt));
-  graph_.add_motion(last.camera, newest().camera, camera_noise(noise, at, dt), dt);
+  graph_.add_motion(last.camera, newest().camera, camera_noise(noise, x, dt), dt);
 }
 
 void CameraWindow::leave() {
@@ -38,6 +29,13 @@ void CameraWindow::leave() {
 std::vector<WindowFrame>::const_iterator CameraWindow::find(VariableId position) const {
   return std::ranges::find(frames_, position,
                            [](const WindowFrame& f) { return f.camera.position; });
+}
+
+std::vector<CameraState> CameraWindow::all() const {
+  std::vector<CameraState> states;
+  for (const Left& left : left_) states.push_back(left.state);
+  for (const WindowFrame& f : frames_) states.push_back(state(f));
+  return states;
 }
 
 }  // namespace slammot

@@ -1,11 +1,9 @@
 // The cameras in a sliding window, and what was believed of those that left.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "models/measurement.h"
-#include "models/truth.h"
 #include "smoothers/graph/graph.h"
 
 namespace slammot {
@@ -19,9 +17,7 @@ struct WindowFrame {
 
 class CameraWindow {
  public:
-  // `truth`: none, or where the cameras' Jacobians are taken.
-  CameraWindow(Graph& graph, std::shared_ptr<const Truth> truth)
-      : graph_(graph), truth_(std::move(truth)) {
+  explicit CameraWindow(Graph& graph) : graph_(graph) {
     left_.reserve(1024);  // it grows in every frame, which is not to ask for memory
   }
 
@@ -46,12 +42,13 @@ class CameraWindow {
     CameraState state;  // as it was believed when it left
   };
   const std::vector<Left>& left() const { return left_; }
+  // Every camera so far, oldest first: as it left, or as it is in the window.
+  std::vector<CameraState> all() const;
 
  private:
   void add(const Frame& frame, int number, const CameraState& x);
 
   Graph& graph_;
-  std::shared_ptr<const Truth> truth_;
   std::vector<WindowFrame> frames_;
   std::vector<Left> left_;
 };

@@ -1,73 +1,49 @@
 #include "smoothers/window/window.h"
 
+#include <algorithm>
+
 #include "estimation/loop/frame_loop.h"
+#include "estimation/modules/label_revision.h"
 #include "models/points/initialisation.h"
 #include "smoothers/graph/noise_scale.h"
-#include "smoothers/window/robust_loss.h"
-#include "smoothers/window/window_belief.h"
+#include "smoothers/solver/ceres_solve.h"
 
 namespace slammot {
 namespace {
 
-// Whether Jacobians are taken at fixed points.
-bool fixed_points(WindowLinearisation linearisation) {
-  return linearisation != WindowLinearisation::kStandard;
-}
-
 // Solutions of a frame after which measurements at a pole are left out; more wait for the next.
 constexpr int kMostPoles = 3;
 
-}  // namespace
+constexpr int kCeresIterations = 1000;
+constexpr double kCeresTolerance = 1e-18;  // below rounding: until steps change nothing
 
-std::shared_ptr<const Truth> truth_of(const Setup& setup, const WindowOptions& options) {
-  if (options.linearisation != WindowLinearisation::kIdeal) return nullptr;
-  if (!setup.truth) {
-    throw std::invalid_argument("linearisation ideal needs the exact truth of a simulation");
-  }
-  return setup.truth;
+bool has_fixed_points(const WindowOptions& options) {
+  return options.linearisation == WindowLinearisation::kFej;
 }
+
+}  // namespace
 
 Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptions& options,
                TrackHistories* histories)
     : setup_(setup),
       options_(options),
       condition_(models.collapse == Collapse::kCondition),
+      remembers_(motion_memory(models, find_landmark(models.landmark, models.point)) > 0),
       functions_(find_landmark(models.landmark, models.point)),
-      memory_(motion_memory(models, functions_)),
-      loss_(make_loss(options.loss)),
-      graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_, loss_.get(),
+      graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_,
               options.solver == WindowSolver::kCeres || noise_tells_scale(setup)},
-             fixed_points(options.linearisation)),
-      cameras_(graph_, truth_of(setup, options)),
-      truth_(truth_of(setup, options), graph_, cameras_),
-      optimiser_(truth_ || options.iterations == 1 ? StepRule::kEvery : StepRule::kDescent),
-      histories_(histories),
-      threshold_given_others_(pixel_threshold(models.gate.given_others)) {
+             has_fixed_points(options)),
+      cameras_(graph_),
+      optimiser_(options.iterations == 1 ? StepRule::kEvery : StepRule::kDescent),
+      marginals_(graph_, cameras_, landmarks_, optimiser_.equations()),
+      departures_(graph_, cameras_, landmarks_),
+      histories_(histories) {
   if (options.solver == WindowSolver::kCeres && graph_.fixed_points()) {
     throw std::invalid_argument(
-        "window.solver ceres minimises the cost: it needs window.linearisation standard");
-  }
-  if (options.prior == WindowPrior::kCameras && !condition_) {
-    throw std::invalid_argument(
-        "window.prior cameras needs collapse condition: drop keeps landmarks in the prior");
-  }
-  if (models.policy.probation > 1 && graph_.fixed_points()) {
-    throw std::invalid_argument("policy.probation above 1 needs window.linearisation standard");
-  }
-  if (models.policy.probation > options.frames) {
-    throw std::invalid_argument("policy.probation must not exceed window.frames");
+        "window.solver ceres minimises the cost: it "
+        "needs window.linearisation standard");
   }
   if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);
-}
-
-// With `window.prior=cameras` those that were born in the frame that is about to leave.
-void Window::leaving(std::vector<int>& tracks) {
-  tracks.clear();
-  const bool is_full = std::ssize(cameras_.frames()) == options_.frames;
-  if (options_.prior != WindowPrior::kCameras || !is_full) return;
-  for (const auto& [track, landmark] : landmarks_) {
-    if (graph_[landmark.id].anchor == cameras_.oldest().camera.position) tracks.push_back(track);
-  }
 }
 
 // Thesis 2.1.1 and (2.5): the new camera enters at its prediction, with its motion factor, and the
@@ -80,19 +56,10 @@ void Window::predict(const Frame& frame, double dt, const MotionNoise& noise,
   }
   cameras_.advance(frame, dt, noise);
   if (histories_) noises_.push_back(noise);
-  const CameraMotionFactor& motion = graph_.motions.back();
-  const Matrix12d J_inverse = motion.J_to.inverse();
-  F_ = -J_inverse * motion.J_from;
-  Q_ = J_inverse * J_inverse.transpose();
-  for (auto& [track, landmark] : landmarks_) {
-    if (landmark.is_free) extend(landmark, records.at(track).label, dt);
+  marginals_.predict();
+  for (const auto& [track, landmark] : landmarks_.known) {
+    if (landmark.is_free) extend_chain(graph_, landmark.id, records.at(track).label, dt);
   }
-}
-
-void Window::widen(double factor) {
-  graph_.widen_newest_motion(factor);
-  Q_ *= factor;
-  if (histories_) noises_.back() = scaled(noises_.back(), factor);
 }
 
 void Window::add_known(const KnownLandmark& known) {
@@ -105,36 +72,115 @@ void Window::add_known(const KnownLandmark& known) {
   l.birth.kind = BirthPrior::Kind::kKnown;
   l.birth.known = known;
   if (histories_) histories_->begin(known.track, cameras_.newest().number, l.birth);
-  truth_.apply(landmark);
   graph_.linearise(l);
 }
 
+void Window::innovations(std::span<const Observation> measured, FrameInnovation& result) {
+  measured_.clear();
+  for (const Observation& z : measured) measured_.push_back(z.track);
+  marginals_.innovations(measured, result);
+}
+
+void Window::widen(double factor) {
+  graph_.widen_newest_motion(factor);
+  marginals_.widen(factor);
+  if (histories_) noises_.back() = scaled(noises_.back(), factor);
+}
+
 // What leaves the window waited for this: the frame's measurements must not be used before.
-void Window::update(const TrackRecords& /*records*/, std::span<const Observation> accepted,
+void Window::update(std::span<const Observation> accepted, std::span<const int> considered,
                     StageListener& stages) {
   stages.begin("marginalise");
-  marginalise();
-  reactivate_measured();
+  departures_.marginalise(options_.frames, histories_);
+  departures_.reactivate(measured_);
   stages.begin("update");
+  add_pixels(accepted, considered);
+  refresh_noises();
+  solve();
+  for (int i = 0; i < kMostPoles && leave_out_poles(); ++i) solve();
+  for (auto& [track, landmark] : landmarks_.known) landmark.is_entering = false;
+  camera_ = marginals_.camera();
+}
+
+void Window::add_pixels(std::span<const Observation> accepted, std::span<const int> considered) {
   used_.clear();
   const WindowFrame& newest = cameras_.newest();
   for (const Observation& z : accepted) {
     WindowLandmark& landmark = landmarks_.at(z.track);
     landmark.last_used = newest.index;
+    consider(landmark, std::ranges::binary_search(considered, z.track));
     const int depth = landmark.is_free ? graph_[landmark.id].steps() : 0;
     graph_.add_pixel(landmark.id, newest.camera, z, depth);
     used_.push_back(z.track);
     if (histories_) histories_->measured(z, newest.number);
   }
-  refresh_noises();
-  solve();
-  for (int i = 0; i < kMostPoles && leave_out_poles(); ++i) solve();
-  for (auto& [track, landmark] : landmarks_) landmark.is_entering = false;
-  if (options_.retest) {
-    note_refused(accepted);
-    if (retest()) solve();
+}
+
+// Those of the frame in hand; one that it does not measure stays what it was.
+void Window::consider(const WindowLandmark& landmark, bool is_considered) {
+  if (is_considered && !landmark.is_free) return;
+  if (is_considered && !graph_[landmark.id].is_considered) departures_.set_apart(landmark);
+  graph_.consider(landmark.id, is_considered);
+}
+
+void Window::solve() {
+  if (minimise() > 1) ++relinearised_;
+  ++solved_;
+  marginals_.start();
+}
+
+// At the optimum of Ceres the equations are factorised for the marginals, and the step that they
+// give is taken too: Ceres judges steps by the cost, whose rounding hides a last 1e-6 sigma.
+int Window::minimise() {
+  const GraphCamera& newest = cameras_.newest().camera;
+  if (options_.solver == WindowSolver::kOwn) {
+    return optimiser_(graph_, newest, options_.iterations, options_.linearisation_error);
   }
-  estimate_camera();
+  const CeresSolution solution = solve_with_ceres(graph_, kCeresIterations, kCeresTolerance);
+  graph_.linearise();
+  optimiser_.take_step(graph_, newest);
+  return solution.iterations + 1;
+}
+
+// Graph::is_at_pole(). Where every step is taken, none is held back by a pole.
+bool Window::leave_out_poles() {
+  if (optimiser_.takes_every_step()) return false;
+  bool any = false;
+  const auto leave_out = [&](const WindowLandmark& landmark, bool is_pruned) {
+    std::erase_if(graph_[landmark.id].pixels, [&](const GraphPixel& pixel) {
+      if (!graph_.is_at_pole(pixel)) return false;
+      any = true;
+      if (is_pruned) return true;
+      if (pixel.position == cameras_.newest().camera.position) std::erase(used_, landmark.track);
+      const WindowFrame& frame = *cameras_.find(pixel.position);
+      if (histories_) histories_->discard(landmark.track, frame.number);
+      return true;
+    });
+  };
+  for (const auto& [track, landmark] : landmarks_.known) leave_out(landmark, false);
+  for (const WindowLandmark& landmark : landmarks_.pruned) leave_out(landmark, true);
+  return any;
+}
+
+// Where a label has changed: from the stored linearisation.
+void Window::take_step() {
+  graph_.prior().relinearise();
+  optimiser_.take_step(graph_, cameras_.newest().camera);
+  camera_ = marginals_.camera();
+}
+
+// Where there was nothing to solve.
+void Window::refactorise() {
+  graph_.linearise();
+  optimiser_.factorise(graph_, cameras_.newest().camera);
+}
+
+double Window::refresh_noises() {
+  double change = 0.0;
+  for (GraphLandmark& l : graph_.landmarks) {
+    if (l.is_alive) change = std::max(change, graph_.refresh_noises(l));
+  }
+  return change;
 }
 
 // `condition` states that they never moved: their window's measurements change, and with them the
@@ -148,108 +194,131 @@ void Window::collapse(std::span<const int> tracks) {
       histories_->passed(track, states);
     }
     landmark.is_free = false;
-    landmark.rests_since = cameras_.newest().number;
-    landmark.rest_time = cameras_.find(landmark.base)->timestamp;
+    graph_.consider(landmark.id, false);
+    const double rest_time = cameras_.find(landmark.base)->timestamp;
     landmark.base = cameras_.newest().camera.position;
     if (condition_) {
-      graph_.hold_at_rest(landmark.id);
-      if (memory_ == 0) graph_.forget_held(landmark.id);
-      truth_.apply(landmark);
+      graph_.constrain_to_rest(landmark.id, rest_time);
+      if (!remembers_) graph_.forget_motion(landmark.id);
     } else {
       landmark.drops = true;
-      forget_refused(track);  // they are of its time as a free landmark
     }
   }
-  if (!condition_) return;
-  graph_.prior().relinearise();
-  optimiser_.take_step(graph_, cameras_.newest().camera);
-  estimate_camera();
+  if (condition_) take_step();
+}
+
+void Window::forget_motions(std::span<const int> tracks) {
+  for (const int track : tracks) graph_.forget_motion(landmarks_.at(track).id);
 }
 
 // y stays what it is, at the newest frame, where a chain begins.
 void Window::free(int track, const LandmarkPrior& prior) {
   WindowLandmark& landmark = landmarks_.at(track);
   if (landmark.drops) {
-    marginalise_drops();
+    departures_.marginalise_motions();
     refactorise();
   }
-  if (histories_) histories_->rested_until(track, cameras_.newest().number, at_rest(landmark));
-  landmark.base = cameras_.newest().camera.position;
+  const WindowFrame& newest = cameras_.newest();
+  if (histories_) histories_->rested_until(track, newest.number, marginals_.at_rest(landmark));
+  landmark.base = newest.camera.position;
   landmark.is_free = true;
-  landmark.rests_since.reset();
-  graph_.forget_held(landmark.id);
+  graph_.forget_motion(landmark.id);
   graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
-  truth_.apply(landmark);
+}
+
+// It is free with its pixels of the window and all that the prior knows of it, and the window is
+// solved once more.
+void Window::release(int track, const LandmarkPrior& prior) {
+  WindowLandmark& landmark = landmarks_.at(track);
+  const GraphLandmark& l = graph_[landmark.id];
+  if (!l.constrained) return free(track, prior);
+  const WindowFrame& base = base_of_release(l, cameras_);
+  if (histories_) histories_->rested_until(track, base.number, marginals_.at_rest(landmark));
+  const double rest_time = l.constrained->rest_time;
+  landmark.is_free = true;
+  landmark.base = base.camera.position;
+  graph_.release_motion(landmark.id);
+  departures_.move_to(landmark, rest_time, base);
+  begin_chain(graph_, landmark.id, base, cameras_);
+  take_step();
 }
 
 // Its measurements stay in the window until they leave.
 void Window::remove(std::span<const int> tracks, const TrackRecords& records) {
   for (const int track : tracks) {
     WindowLandmark& landmark = landmarks_.at(track);
-    graph_.forget_held(landmark.id);
+    graph_.forget_motion(landmark.id);
     if (histories_) end_history(landmark, records.at(track));
     const VariableId y = graph_[landmark.id].y;
-    if (is_inactive(y)) {
+    if (!graph_.variables[y].is_active) {
       graph_.prior().inactive.forget({y});
       graph_.variables.remove(y);
       graph_.remove_landmark(landmark.id);
     } else {
       if (landmark.is_free) {
-        end_chain(landmark);
-      } else {
-        // The last frame that can have measured it.
+        end_chain(graph_[landmark.id]);
+      } else {  // the last frame that can have measured it
         landmark.base = cameras_.newest().camera.position;
       }
-      pruned_.push_back(landmark);
+      landmarks_.pruned.push_back(landmark);
     }
-    forget_refused(track);
-    landmarks_.erase(track);
+    landmarks_.known.erase(track);
   }
 }
 
 // Thesis 2.1.3, (2.7), as factors: the first pixel, and the priors of inverse depth and motion.
 bool Window::add(const Observation& z, const LandmarkPrior& prior, bool is_free) {
   const WindowFrame& newest = cameras_.newest();
-  WindowLandmark* landmark = insert_at(newest, z, prior, is_free);
-  if (landmark == nullptr) return false;
-  if (histories_) {
-    histories_->begin(z.track, newest.number, graph_[landmark->id].birth);
-    histories_->measured(z, newest.number);
-  }
-  truth_.apply(*landmark);
-  graph_.linearise(graph_[landmark->id]);
-  optimiser_.equations().add(graph_, landmark->id);
-  return true;
-}
-
-// Its factors, not linearised yet; none when the pixel has no ray.
-WindowLandmark* Window::insert_at(const WindowFrame& frame, const Observation& z,
-                                  const LandmarkPrior& prior, bool is_free) {
   const auto& scene = graph_.scene;
   const double depth = scene ? graph_.variables[scene->scene].value(0) : prior.inverse_depth;
-  const auto here = initialise(setup_.camera, functions_.point, cameras_.state(frame).orientation,
+  const auto here = initialise(setup_.camera, functions_.point, cameras_.state(newest).orientation,
                                z.pixel, depth);
-  if (!here) return nullptr;
-  WindowLandmark& landmark = insert(z.track, frame.camera.position, here->y);
+  if (!here) return false;
+  WindowLandmark& landmark = insert(z.track, newest.camera.position, here->y);
+  landmark.is_free = is_free;
   GraphLandmark& l = graph_[landmark.id];
   l.birth.kind = scene ? BirthPrior::Kind::kSharedDepth : BirthPrior::Kind::kDepth;
   l.birth.inverse_depth = prior.inverse_depth;
   l.birth.spread = {prior.inverse_depth_sigma, scene && prior.spread_follows_mean ? depth : 0.0};
   l.birth.scene = scene ? scene->scene : -1;
-  graph_.add_pixel(landmark.id, frame.camera, z, 0);
-  landmark.is_free = is_free;
+  graph_.add_pixel(landmark.id, newest.camera, z, 0);
   if (is_free) graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
-  return &landmark;
+  if (histories_) {
+    histories_->begin(z.track, newest.number, l.birth);
+    histories_->measured(z, newest.number);
+  }
+  graph_.linearise(l);
+  optimiser_.equations().add(graph_, landmark.id);
+  return true;
 }
 
 WindowLandmark& Window::insert(int track, VariableId anchor, const Eigen::Vector3d& y) {
-  WindowLandmark& landmark = landmarks_[track];
+  WindowLandmark& landmark = landmarks_.known[track];
   landmark = {};
   landmark.track = track;
   landmark.id = graph_.add_landmark(anchor, y);
   landmark.last_used = cameras_.newest().index;
   landmark.base = anchor;
   return landmark;
+}
+
+void Window::in_force(InForce& result) const {
+  const bool uses_ceres = options_.solver == WindowSolver::kCeres;
+  const auto state = [&](const char* name, const char* key, bool is_on, const char* because,
+                         long acted) {
+    result.push_back({name, key, is_on, is_on ? "" : because, is_on ? acted : 0});
+  };
+  const bool iterates = options_.iterations > 1 && !uses_ceres;
+  state("relinearisation", "window.iterations", iterates, uses_ceres ? "window.solver=ceres" : "",
+        relinearised_);
+  state("relinearisation by Ceres", "window.solver", uses_ceres, "", solved_);
+  state("first estimates", "window.linearisation", graph_.fixed_points(), "",
+        graph_.prior().active.cols() > 0 ? solved_ : 0);
+  const char* because = !setup_.prior.spread_follows_mean ? ""
+                        : uses_ceres                      ? "window.solver=ceres"
+                                                          : "landmarks known beforehand";
+  state("scale kept by the camera noise (noise_scale.h)", "prior.spread",
+        !graph_.models().noise_tells_scale, because, solved_);
 }
 
 int Window::state_size() const {
@@ -270,18 +339,46 @@ void Window::points(std::vector<LandmarkPoint>& result) {
     if (!v.is_active) return inactive_values_[id];
     return v.value;
   };
-  for (const auto& [track, landmark] : landmarks_) {
+  for (const auto& [track, landmark] : landmarks_.known) {
     const GraphLandmark& l = graph_[landmark.id];
     result.push_back(
         {track, value(l.anchor), l.is_free() ? graph_.newest_state(l).head<3>() : value(l.y)});
   }
 }
 
+// Cameras as they left the window, without covariances, which belong to that moment and are not
+// kept; then those still in it, converged, with theirs.
+std::vector<CameraEstimate> Window::smoothed() {
+  departures_.marginalise_motions();
+  solve();
+  for (int i = 0; i < kMaxRefreshes && refresh_noises() > kNegligibleNoise; ++i) solve();
+  refactorise();
+  std::vector<CameraEstimate> result;
+  for (const CameraWindow::Left& left : cameras_.left()) {
+    result.push_back({left.timestamp, left.state, Matrix12d::Constant(kUndefined)});
+  }
+  for (const WindowFrame& f : cameras_.frames()) {
+    result.push_back({f.timestamp, cameras_.state(f),
+                      optimiser_.equations().camera_covariance(graph_, f.camera)});
+  }
+  return result;
+}
+
+void Window::end_histories(const TrackRecords& records) const {
+  for (const auto& [track, landmark] : landmarks_.known) end_history(landmark, records.at(track));
+}
+
+void Window::end_history(const WindowLandmark& landmark, const TrackRecord& record) const {
+  const std::vector<LandmarkVector> states =
+      landmark.is_free ? graph_.states(graph_[landmark.id])
+                       : std::vector<LandmarkVector>{marginals_.at_rest(landmark)};
+  histories_->end(record, cameras_.newest().number, landmark.is_free, states);
+}
+
 std::unique_ptr<Estimator> make_window(const Setup& setup, const ModelOptions& models,
                                        const WindowOptions& options) {
   return std::make_unique<FrameLoop>(
-      setup, models, [=] { return std::make_unique<Window>(setup, models, options); },
-      truth_of(setup, options));
+      setup, models, [=] { return std::make_unique<Window>(setup, models, options); });
 }
 
 }  // namespace slammot

@@ -3,27 +3,19 @@
 
 namespace slammot {
 
-// Jacobians at the estimate | at first estimates, once a prior holds them | at the truth.
-enum class WindowLinearisation { kStandard, kFej, kIdeal };
-
-enum class Loss { kNone, kHuber };  // on the normalised measurement residual
+// Jacobians at the estimate | at first estimates, once a prior holds them.
+enum class WindowLinearisation { kStandard, kFej };
 
 // Who minimises: our Gauss-Newton | ceres::Solve, on the same factors, until it has converged or
 // has taken 1000 iterations.
 enum class WindowSolver { kOwn, kCeres };
-
-// What the prior keeps of landmarks whose oldest frame leaves: all | nothing, they leave with it.
-enum class WindowPrior { kLandmarks, kCameras };
 
 struct WindowOptions {
   int frames = 20;      // camera states kept; older ones are marginalised
   int iterations = 20;  // Gauss-Newton steps a frame at most; 1 and one frame make it the EKF
   double linearisation_error = 0.02;  // [sigma] a step with less of it is the last one
   WindowLinearisation linearisation = WindowLinearisation::kStandard;
-  Loss loss = Loss::kNone;
   WindowSolver solver = WindowSolver::kOwn;
-  WindowPrior prior = WindowPrior::kLandmarks;
-  bool retest = false;  // measurements in the window meet the gate again in every frame
 };
 
 }  // namespace slammot

@@ -19,6 +19,7 @@ struct FakeLandmark {
   double speed = 0.0;  // believed [m/s]
   double speed_sigma = 1.0;
   double leave_one_out = 0.0;
+  double held_sigma = 1.0;     // of a remembered motion [m/s]
   double inverse_depth = 0.5;  // [1/m], known to 0.001
   bool in_view = true;
 };
@@ -67,11 +68,13 @@ class FakeBelief final : public Belief {
       result.push_back({track, {l.in_view ? 10.0 : -10.0, 10.0}, Eigen::Matrix2d::Identity()});
     }
   }
-  void update(const TrackRecords&, std::span<const Observation> accepted, StageListener&) override {
+  void update(std::span<const Observation> accepted, std::span<const int> considered_only,
+              StageListener&) override {
     call("update");
     camera_.state.velocity += last_dt * acceleration;
     used.clear();
     for (const Observation& z : accepted) used.push_back(z.track);
+    considered.assign(considered_only.begin(), considered_only.end());
   }
   void leave_one_out(std::vector<LeaveOneOut>& result) override {
     call("leave_one_out");
@@ -103,14 +106,22 @@ class FakeBelief final : public Belief {
       if (remembers_all) remembered.insert(track);
     }
   }
-  void held_motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override {
+  void constrained_motions(std::span<const int> tracks,
+                           std::vector<MotionBelief>& result) override {
     result.clear();
     for (const int track : tracks) {
       if (!remembered.contains(track)) continue;
       MotionBelief& motion = result.emplace_back();
       motion.track = track;
-      motion.w = 0.1 * track * Eigen::Vector3d::UnitX();
-      motion.covariance = Eigen::Matrix3d::Identity();
+      const double sigma = state.at(track).held_sigma;
+      motion.w = 0.1 * track * sigma * Eigen::Vector3d::UnitX();
+      motion.covariance = sigma * sigma * Eigen::Matrix3d::Identity();
+    }
+  }
+  void forget_motions(std::span<const int> tracks) override {
+    for (const int track : tracks) {
+      call("forget");
+      remembered.erase(track);
     }
   }
   void release(int track, const LandmarkPrior&) override {
@@ -136,18 +147,6 @@ class FakeBelief final : public Belief {
     state[z.track].is_free = is_free;
     return true;
   }
-  void add_seen(std::span<const Candidate> candidates, std::vector<int>& refused) override {
-    refused.clear();
-    for (const Candidate& candidate : candidates) {
-      call("add_seen");
-      sightings = candidate.sightings;
-      if (candidate.track == kRefused) {
-        refused.push_back(candidate.track);
-      } else {
-        state[candidate.track].is_free = candidate.is_free();
-      }
-    }
-  }
   void finish() override { call("finish"); }
   int state_size() const override { return static_cast<int>(state.size()); }
   CameraEstimate camera() const override { return camera_; }
@@ -165,10 +164,9 @@ class FakeBelief final : public Belief {
     return std::vector<LandmarkBelief>(tracks.size(), belief);
   }
 
-  static constexpr int kNoRay = 99, kRefused = 98;
-  std::vector<Sighting> sightings;
+  static constexpr int kNoRay = 99;
   std::map<int, FakeLandmark> state;
-  std::vector<int> used, asked;
+  std::vector<int> used, considered, asked;
   std::set<int> remembered;  // landmarks whose held motion is
   bool remembers_all = false;
   LandmarkPrior newest_prior;

@@ -67,7 +67,6 @@ ClassifierOptions odds() {
   options.name = "odds";
   options.prior_odds = 1.0;
   options.decisive_odds = 100.0;
-  options.hidden_speed = 0.3;
   return options;
 }
 
@@ -85,20 +84,8 @@ TEST(Odds, AreThePosteriorOverThePriorDensityAtRest) {
 TEST(Odds, PriorOddsMultiply) {
   ClassifierOptions options = odds();
   options.prior_odds = 10.0;  // so that a factor of 10 suffices: a ratio of 2.15
-  options.hidden_speed = 1.0;
   EXPECT_EQ(decide(options, belief({0, 0, 0}, 1.0 / 2.16)), Label::kStatic);
   EXPECT_EQ(decide(options, belief({0, 0, 0}, 1.0 / 2.15)), Label::kUnknown);
-}
-
-TEST(Odds, ASpeedAlongTheLineOfSightMayHide) {
-  // Two directions known to 0.01 outweigh a third that is not: the odds are 2e4.
-  MotionBelief b = belief({0, 0, 0}, 0.01);
-  b.covariance(2, 2) = 0.25;
-  EXPECT_NEAR(hidden_speed(b), 0.5, 1e-12);
-  EXPECT_EQ(decide(odds(), b), Label::kUnknown);
-  ClassifierOptions options = odds();
-  options.hidden_speed = 0.51;
-  EXPECT_EQ(decide(options, b), Label::kStatic);
 }
 
 // At the defaults the answer is that of the evidence: prior odds of 2, decisive at 20 either way.
@@ -177,9 +164,6 @@ TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
   TrackRecord fixed = initialised(2, 0, Label::kStatic, {});
   fixed.unused_frames = 10000;
   EXPECT_FALSE(is_pruned(fixed, policy));  // it stays in the map
-  TrackPolicy window = policy;
-  window.retain = Retain::kVisible;
-  EXPECT_TRUE(is_pruned(fixed, window));
   for (int i = 0; i < policy.prune_missed_after; ++i) note_unused(fixed, true);
   note_unused(fixed, false);
   EXPECT_FALSE(is_pruned(fixed, policy));
@@ -191,14 +175,36 @@ TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
   EXPECT_TRUE(is_pruned(fixed, policy));
 }
 
-TEST(TrackPolicy, LeavesRoomUnderBothCaps) {
+TEST(TrackPolicy, WantsAsManyAsAreToBeMeasured) {
   TrackPolicy policy;
-  policy.max_landmarks = 10;
+  EXPECT_EQ(births_wanted(0, policy), static_cast<std::size_t>(kUsuallyVisible));
   policy.max_visible = 6;
-  EXPECT_EQ(room_for(0, 0, policy), 6u);
-  EXPECT_EQ(room_for(8, 0, policy), 2u);
-  EXPECT_EQ(room_for(0, 5, policy), 1u);
-  EXPECT_EQ(room_for(12, 0, policy), 0u);
+  EXPECT_EQ(births_wanted(0, policy), 6u);
+  EXPECT_EQ(births_wanted(5, policy), 1u);
+  EXPECT_EQ(births_wanted(8, policy), 0u);
+}
+
+// Static landmarks 1 to 4, unseen for 0, 7, 2 and 7 frames, and a mover unseen for 5.
+TEST(TrackPolicy, MakesRoomOfWhatRestsUnseenLongest) {
+  TrackRecords records;
+  for (const auto& [track, unseen] : {std::pair{1, 0}, {2, 7}, {3, 2}, {4, 7}, {5, 5}}) {
+    const Label label = track == 5 ? Label::kMoving : Label::kStatic;
+    records[track] = initialised(track, 0, label, {});
+    records[track].unused_frames = unseen;
+  }
+  TrackPolicy policy;
+  const auto leave = [&](int most, std::size_t births) {
+    policy.max_landmarks = most;
+    std::vector<int> result{99};
+    make_room(records, births, policy, result);
+    return result;
+  };
+  EXPECT_EQ(leave(10, 5), std::vector<int>{});
+  EXPECT_EQ(leave(10, 6), std::vector<int>{2});
+  EXPECT_EQ(leave(5, 0), std::vector<int>{});
+  EXPECT_EQ(leave(5, 2), (std::vector<int>{2, 4}));
+  EXPECT_EQ(leave(5, 3), (std::vector<int>{2, 3, 4}));
+  EXPECT_EQ(leave(5, 4), (std::vector<int>{2, 3, 4}));  // the others are seen, or move
 }
 
 }  // namespace

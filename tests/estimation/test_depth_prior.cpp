@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "estimation/depth_prior.h"
+#include "estimation/modules/depth_prior.h"
 #include "models/landmarks/scaled_velocity.h"
 #include "models/points/inverse_depth.h"
 

@@ -125,24 +125,29 @@ TEST_F(FrameLoopOf, FourThatAgreeTeachNothing) {
   EXPECT_EQ(belief_->last_noise.acceleration, setup_.camera_noise.acceleration);
 }
 
-// Four points of an object, none of which is known to move by itself.
-TEST_F(FrameLoopOf, LabelsWhatMovesAlikeTogether) {
-  for (const bool pooled : {false, true}) {
+// Among twelve that rest, and among eleven.
+TEST_F(FrameLoopOf, TellsWhomTheCameraDoesNotFollow) {
+  std::vector<int> rest(12);
+  std::iota(rest.begin(), rest.end(), 1);
+  constexpr int kMover = 20;
+  for (const int track : rest) setup_.true_labels[track] = Label::kStatic;
+  setup_.true_labels[kMover] = Label::kMoving;
+  for (const Movers movers : {Movers::kConsidered, Movers::kJoint}) {
     index_ = 0;
     ModelOptions models;
-    models.landmark = "dynamic_inverse_depth";
-    models.labels.pooled = pooled ? 10.0 : 0.0;
-    start(models);
-    frame({});
-    frame({1, 2, 3, 4});
-    for (auto& [track, landmark] : belief_->state) {
-      landmark.speed = 0.7 * setup_.prior.velocity_sigma();
-      landmark.speed_sigma = 0.3 * setup_.prior.velocity_sigma();
-    }
-    frame({1, 2, 3, 4});
-    for (int track = 1; track <= 4; ++track) {
-      EXPECT_EQ(label(track), pooled ? Label::kMoving : Label::kUnknown);
-    }
+    models.classifier.name = "truth";
+    models.policy.movers = movers;
+    start_with(models);
+    std::vector<int> tracks = rest;
+    tracks.push_back(kMover);
+    frame(tracks);
+    frame(tracks);
+    const bool considers = movers == Movers::kConsidered;
+    EXPECT_EQ(belief_->used.size(), 13u);
+    EXPECT_EQ(belief_->considered, considers ? std::vector{kMover} : std::vector<int>{});
+    belief_->state.at(3).error = 100.0;  // not accepted
+    frame(tracks);
+    EXPECT_THAT(belief_->considered, IsEmpty());
   }
 }
 
@@ -309,33 +314,52 @@ TEST_F(FrameLoopOf, UndoesTheSurestOfAFrame) {
   EXPECT_EQ(label(1), Label::kUnknown);
 }
 
-TEST_F(FrameLoopOf, StartsOverWithTheLabelsOfTheFirstFrame) {
+// Of labels of the first frame; all frames so far are processed again without it.
+TEST_F(FrameLoopOf, StartsOverWithoutARejectedLabel) {
   ModelOptions models;
-  models.labels.start = 3;
-  models.labels.sightings = 2;
   models.classifier.name = "thesis";
   start_with(models);
   frame({1, 2});
-  EXPECT_EQ(label(1), Label::kUnknown);
-  belief_->state.at(2) = {true, 0.0, 5.0, 0.1};
+  EXPECT_EQ(label(1), Label::kStatic);
+  EXPECT_FALSE(loop_->records().at(1).by_rule);
+  belief_->state.at(1).leave_one_out = 30.0;
   frame({1, 2});
-  EXPECT_EQ(label(2), Label::kMoving);
+  EXPECT_EQ(label(1), Label::kStatic);
   const FakeBelief* before = belief_;
   const FrameReport report = frame({1, 2, 3});
   EXPECT_NE(belief_, before);
   EXPECT_EQ(std::ranges::count(calls_, "predict"), 1 + 3);
   EXPECT_NEAR(belief_->last_dt, 0.1, 1e-15);
   EXPECT_EQ(report.admitted, 1);  // of the newest frame
-  EXPECT_EQ(label(1), Label::kStatic);
-  EXPECT_EQ(label(2), Label::kUnknown);
-  EXPECT_EQ(loop_->records().at(1).decision_frame, 2);
-  EXPECT_FALSE(loop_->records().at(1).by_rule);
-
-  belief_->state.at(1).leave_one_out = 30.0;
-  frame({1, 2, 3});
-  EXPECT_EQ(label(1), Label::kUnknown);  // and all four frames were processed again
-  EXPECT_EQ(std::ranges::count(calls_, "predict"), 1 + 4);
+  EXPECT_EQ(label(1), Label::kUnknown);
+  EXPECT_EQ(label(2), Label::kStatic);
   EXPECT_THAT(calls_, testing::Not(testing::Contains("free")));
+}
+
+// A motion that is remembered from birth; then for so long, while it is seen, and in doubt.
+TEST_F(FrameLoopOf, ForgetsMotions) {
+  remembers_all_ = true;
+  ModelOptions models;
+  models.classifier.name = "thesis";
+  models.labels.memory = 8;
+  start_with(models);
+  frame({1, 2, 3});
+  belief_->state.at(2).held_sigma = 1e-4;
+  frame({1, 2, 3});
+  EXPECT_THAT(belief_->remembered, ElementsAre(1, 2, 3));
+  frame({1, 2});
+  EXPECT_THAT(calls_, ElementsAre("forget", "predict", "innovations", "update", "leave_one_out",
+                                  "inverse_depths", "motions", "finish"));
+  EXPECT_THAT(belief_->remembered, ElementsAre(1, 3));
+  for (int i = 0; i < 4; ++i) frame({1, 2});
+  EXPECT_THAT(belief_->remembered, ElementsAre(1, 3));  // not seen five times
+  frame({1, 2});
+  EXPECT_THAT(belief_->remembered, ElementsAre(1));
+  frame({1, 2});
+  EXPECT_THAT(belief_->remembered, ElementsAre(1));  // for seven frames
+  frame({1, 2});
+  EXPECT_THAT(belief_->remembered, IsEmpty());
+  EXPECT_EQ(label(1), Label::kStatic);
 }
 
 // What its motion would be says sooner than innovations that a label is wrong.

@@ -51,24 +51,22 @@ TEST_F(LandmarkLife, AdmitsWhatThereIsRoomFor) {
   EXPECT_FALSE(loop_->records().contains(FakeBelief::kNoRay));
 }
 
-TEST_F(LandmarkLife, AdmitsAtTheThirdSightingOnProbation) {
+// Births go on where the state is full: what was unseen longest leaves.
+TEST_F(LandmarkLife, AFullStateMakesRoom) {
   ModelOptions models;
-  models.policy.probation = 3;
+  models.policy.max_landmarks = 3;
   start(models);
-  EXPECT_EQ(frame({1}).admitted, 1);  // of the first frame, at once
-  EXPECT_EQ(frame({1, 2, FakeBelief::kRefused}).admitted, 0);
-  EXPECT_EQ(frame({1, 2, FakeBelief::kRefused}).admitted, 0);
-  const FrameReport report = frame({1, 2, 3, FakeBelief::kRefused});
+  EXPECT_EQ(frame({1, 2, 3}).admitted, 3);
+  frame({1, 2});
+  const FrameReport report = frame({1, 4});
   EXPECT_EQ(report.admitted, 1);
-  EXPECT_EQ(report.accepted, 2);  // its third pixel is used in its frame
-  EXPECT_THAT(calls_, testing::Contains("add_seen").Times(2));
-  ASSERT_EQ(belief_->sightings.size(), 2u);
-  EXPECT_EQ(belief_->sightings.front().frames_before, 2);
-  EXPECT_EQ(loop_->records().at(2).first_frame, 1);
-  EXPECT_EQ(loop_->records().at(2).observations, 3);
-  EXPECT_FALSE(loop_->records().contains(FakeBelief::kRefused));
-  EXPECT_EQ(frame({1, 2, 3, FakeBelief::kRefused}).admitted, 0);  // both begin anew
-  EXPECT_EQ(frame({1, 2, 3}).admitted, 1);
+  ASSERT_EQ(report.retired.size(), 1u);
+  EXPECT_EQ(report.retired[0].track, 3);
+  EXPECT_FALSE(belief_->state.contains(3));
+  EXPECT_EQ(frame({1, 2, 4, 5, 6}).admitted, 0);  // this frame used all
+  EXPECT_EQ(frame({1, 4, 5, 6}).admitted, 1);     // as far as there are any
+  EXPECT_EQ(loop_->records().size(), 3u);
+  EXPECT_TRUE(loop_->records().contains(5));
 }
 
 TEST_F(LandmarkLife, LearnsTheDepthPriorFromStaticLandmarks) {

@@ -1,4 +1,5 @@
-// The default scenario, shortened, over seeds: no estimator may lose the camera.
+// The default scenario, shortened: no estimator may lose the camera. On 50 seeds:
+// eval/studies/believable.yaml.
 #include <gtest/gtest.h>
 
 #include "datasets/simulation/scenario.h"
@@ -30,7 +31,7 @@ TEST_P(Circle, TheCameraIsNotLost) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Circle,
-                         testing::Combine(testing::Values("ekf", "window"), testing::Range(1, 6)),
+                         testing::Combine(testing::Values("ekf", "window"), testing::Range(1, 3)),
                          [](const auto& c) {
                            return std::get<0>(c.param) + "_seed" +
                                   std::to_string(std::get<1>(c.param));

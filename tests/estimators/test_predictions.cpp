@@ -8,7 +8,7 @@
 #include "eval/configuration/registry.h"
 #include "eval/configuration/setup.h"
 #include "eval/run/run.h"
-#include "filters/ekf_belief.h"
+#include "filters/ekf.h"
 #include "models/points/observation.h"
 #include "tests/estimators/fixture/linearisation_fixture.h"
 
@@ -120,17 +120,12 @@ TEST_P(PredictionsOf, OfWhatIsNotMeasuredAreAsIfItWere) {
   EXPECT_LT(worst_S, 1e-7);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Estimators, PredictionsOf,
-    testing::Values(Options{"ekf", "ekf", {}},
-                    Options{
-                        "ekf_deferred",
-                        "ekf",
-                        {"ekf.deferred=true", "ekf.equivariant_scale=false", "labels.memory=0"}},
-                    Options{"ekf_fej", "ekf", {"ekf.linearisation=fej"}},
-                    Options{"window", "window", {"window.frames=6"}},
-                    Options{"window_retest", "window", {"window.frames=6", "window.retest=true"}}),
-    [](const auto& tested) { return tested.param.name; });
+INSTANTIATE_TEST_SUITE_P(Estimators, PredictionsOf,
+                         testing::Values(Options{"ekf", "ekf", {}},
+                                         Options{"ekf_heading", "ekf", {"ekf.gauge=heading"}},
+                                         Options{"ekf_fej", "ekf", {"ekf.linearisation=fej"}},
+                                         Options{"window", "window", {"window.frames=6"}}),
+                         [](const auto& tested) { return tested.param.name; });
 
 // Three landmarks, one free, two frames: S against P, with H by differences.
 TEST(Predictions, OfAnEkfAreThoseOfItsJointCovariance) {

@@ -50,14 +50,11 @@ TEST_P(RelativeSigma, TimesPixelSigmaIsTheNoise) {
 
 const Case kCases[] = {
     {"ekf", "ekf", {}},
-    {"ekf_alone", "ekf", {"ekf.static_enough=1"}},
-    {"ekf_iterated_probation", "ekf", {"ekf.iterations=3", "policy.probation=3"}},
+    {"ekf_joint", "ekf", {"policy.movers=joint"}},
+    {"ekf_iterated", "ekf", {"ekf.iterations=3"}},
     {"delayed", "delayed", {}},
     {"window", "window", {"window.frames=8"}},
-    {"window_retest", "window", {"window.frames=8", "window.retest=true"}},
     {"window_ceres", "window", {"window.frames=3", "window.solver=ceres"}, 5},
-    {"window_huber", "window", {"window.frames=8", "window.loss=huber"}},
-    {"window_probation", "window", {"window.frames=8", "policy.probation=3"}},
     {"batch", "batch", {}},
 };
 INSTANTIATE_TEST_SUITE_P(Estimators, RelativeSigma, testing::ValuesIn(kCases),

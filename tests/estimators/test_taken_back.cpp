@@ -60,11 +60,10 @@ class TakenBack : public testing::TestWithParam<std::string> {
   // chance.
   static double error(const std::string& classifier, Configuration configuration) {
     configuration.model.classifier.name = classifier;
-    const int seeds = GetParam() == "window" ? 3 : 16;  // a window takes seconds
     std::vector<double> errors;
-    for (int seed = 1; seed <= seeds; ++seed) {
-      const Sequence sequence =
-          simulate("circle", {{"frames", "90"}}, static_cast<std::uint64_t>(seed));
+    const std::uint64_t seeds = GetParam() == "window" ? 3 : 16;  // a window takes seconds
+    for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+      const Sequence sequence = simulate("circle", {{"frames", "90"}}, seed);
       const RunResult result = run_estimator(sequence, configuration, GetParam());
       EXPECT_FALSE(result.diverged);
       double square = 0.0;
@@ -81,7 +80,7 @@ class TakenBack : public testing::TestWithParam<std::string> {
 TEST_P(TakenBack, ItsDamageGoesWithIt) {
   Configuration configuration;
   configuration.model.adaptive_motion = false;  // these two cure a part of what is tested
-  configuration.ekf.static_enough = 0;
+  configuration.model.policy.movers = Movers::kJoint;
   Configuration forgetful = configuration;
   forgetful.model.labels.memory = 0;
   const double never = error("odds", configuration);

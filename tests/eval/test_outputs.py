@@ -85,6 +85,25 @@ class Outputs(unittest.TestCase):
         self.assertEqual(said.count("three times too large"), 2)
         self.assertIn(large[0], (page / "report.html").read_text(encoding="utf-8"))
 
+    def test_what_is_in_force_is_in_every_file_and_on_the_page(self):
+        self.slammot("simulate", *SHORT, "--output", self.sequence)
+        run, page = self.folder / "run", self.folder / "page"
+        iterated = ["--set", "ekf.iterations=3", "--set", "ekf.gauge=scale", "--output", run]
+        said = self.slammot("run", self.sequence, "--estimator", "ekf", *iterated)
+        self.assertIn("asked for, but without effect: ", said)
+        stated = json.loads((run / "metrics.json").read_text(encoding="utf-8"))["in_force"]
+        scale = next(m for m in stated if m["key"] == "ekf.gauge" and m["because"])
+        self.assertEqual((scale["state"], scale["acted"]), ("off", 0))
+        self.assertIn(f"name: {scale['name']}", (run / "run.yaml").read_text(encoding="utf-8"))
+        said = self.slammot("compare", self.sequence, "--set", "preset=thesis", "--verbose", "--output", page)
+        self.assertIn("in force", said)
+        self.assertEqual(len(list(page.glob("*/run.yaml"))), 2)  # the thesis's landmark model alone
+        for written in page.glob("*/run.yaml"):
+            text = written.read_text(encoding="utf-8")
+            self.assertIn("preset: thesis", text)
+            self.assertIn("left_open_by_the_thesis:", text)
+        self.assertIn("<h2>In force</h2>", (page / "report.html").read_text(encoding="utf-8"))
+
     def test_an_input_is_never_written_over(self):
         sequence = self.simulated()
         for force in ([], ["--force"]):

@@ -27,6 +27,7 @@ sys.path.insert(0, str(REPORT))
 import compare_report  # noqa: E402
 import page  # noqa: E402
 import study_figures  # noqa: E402
+import study_tables  # noqa: E402
 
 page.packed = functools.cache(page.packed)  # Plotly is the same on every page
 CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic",
@@ -392,6 +393,25 @@ class Report(unittest.TestCase):
         pooled(self.comparison)
         self.comparison["estimators"][0]["warned"] = 1
         self.assertIn("Warned ekf: 1 of 12 runs warn. ekf-0, from frame 12: it is lost.", self.text_of_report(run_files=False))
+
+    def test_what_is_in_force_is_told_of_each_run_that_states_it(self):
+        on = {"name": "scale kept", "key": "ekf.gauge", "state": "on", "because": "", "acted": 17}
+        stated = [[on], [{**on, "state": "off", "because": "ekf.iterations=3", "acted": 0}], []]
+        for run, mechanisms in zip(self.comparison["runs"], stated):  # the last run was made elsewhere
+            run["metrics"]["in_force"] = mechanisms
+        text = self.text_of_report()
+        for said in ("In force", "scale kept", "on, 17", "ekf.iterations=3", "states nothing"):
+            self.assertIn(said, text)
+        for run in self.comparison["runs"]:
+            run["metrics"].pop("in_force", None)
+        self.assertNotIn("In force", self.text_of_report(run_files=False))
+
+    def test_what_is_in_force_in_some_runs_of_a_cell_is_counted(self):
+        mechanism = {"name": "scale kept", "key": "ekf.gauge", "on": 3, "runs": 10, "because": "", "acted": 40}
+        off = {**mechanism, "on": 0, "because": "ekf.iterations=3"}
+        group = {"cells": [{"in_force": [mechanism]}, {"in_force": [off]}, {"in_force": []}, {}]}
+        self.assertEqual(study_tables.in_force(group), [("scale kept", "ekf.gauge", [
+            ("on in 3 of 10, 40", ""), ("off", "ekf.iterations=3"), ("states nothing", ""), ("–", "")])])
 
     def test_filter_or_smoother_is_asked_of_both(self):
         self.assertIn("Filter or smoother? circle", self.text_of_report())

@@ -91,8 +91,9 @@ TEST(RunFolder, RunYamlReproducesTheConfiguration) {
   FakeEstimator estimator([&](const Frame& f) { return awkward_belief(sequence, f); });
   const RunResult run = drive(sequence, estimator);
   Configuration configuration;
-  for (const char* text : {"landmark=scaled_velocity", "prior.inverse_depth=0.1",
-                           "window.frames=17", "classifier=odds", "frames.step=2"}) {
+  for (const char* text :
+       {"landmark=scaled_velocity", "prior.inverse_depth=0.1", "window.frames=17",
+        "classifier=odds", "frames.first=1", "preset=thesis"}) {
     assign(configuration, parse_assignment(text));
   }
   const Configuration used = effective_configuration(sequence, configuration, "delayed");

@@ -16,9 +16,8 @@ namespace {
 Configuration quick() {
   Configuration configuration;
   configuration.model.policy.max_visible = 30;
-  // It remembers no motions (Belief::held_motions), so that a static label must be surer.
+  // It remembers no motions (Belief::constrained_motions), so that a static label must be surer.
   configuration.model.classifier.prior_odds = 1.0;
-  configuration.model.classifier.hidden_speed = 0.8;
   return configuration;
 }
 
@@ -86,8 +85,7 @@ class ThirdFamilyUndecided : public testing::Test {
     configuration_.model.labels.rule = LabelRule::kOneWay;
     configuration_.model.labels.first_frame = FirstFrameLabels::kStatic;
     configuration_.model.gate = {0.999999, 1.0};
-    configuration_.ekf.equivariant_scale = false;
-    configuration_.ekf.static_enough = 0;
+    configuration_.ekf.gauge = Gauge::kNone;
     configuration_.ekf.second_order = false;  // unscented ones have their own
   }
 
@@ -143,8 +141,7 @@ TEST(ThirdFamily, LabelsAsTheEkfDoes) {
     configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
     configuration.model.classifier.name = "thesis";
     configuration.model.gate.given_others = 1.0;
-    configuration.ekf.equivariant_scale = false;
-    configuration.ekf.static_enough = 0;  // the unscented filter has no such rule
+    configuration.ekf.gauge = Gauge::kNone;
     const RunResult ekf = judged(find_estimator("ekf"), sequence, configuration).run;
     const RunResult ukf = judged(kUnscented, sequence, configuration).run;
     EXPECT_LT(largest_difference(ekf, ukf), 1.0);

@@ -104,17 +104,19 @@ class Unscented final : public Belief {
     *result.HPHt = S_;
   }
 
-  void update(const TrackRecords& /*records*/, std::span<const Observation> accepted,
+  void update(std::span<const Observation> accepted, std::span<const int> considered,
               StageListener& /*stages*/) override {
     std::erase_if(pixels_, [&](const Pixel& pixel) {
       return std::ranges::find(accepted, pixel.z.track, &Observation::track) == accepted.end();
     });
-    stack();
-    for (std::size_t k = 0; k < pixels_.size(); ++k) {
-      const auto i = static_cast<Eigen::Index>(2 * k);
-      S_.diagonal().segment<2>(i).array() += pixels_[k].z.variance(setup_.pixel_sigma);
-    }
-    correct(P_Ht_, S_, nu_);
+    const auto is_considered = [&](const Pixel& pixel) {
+      return std::ranges::binary_search(considered, pixel.z.track);
+    };
+    std::vector<Pixel> aside;
+    std::ranges::copy_if(pixels_, std::back_inserter(aside), is_considered);
+    std::erase_if(pixels_, is_considered);
+    correct_all();
+    for (const Pixel& pixel : aside) correct_own(pixel.z, pixel.rows);
   }
 
   // With a = S^-1 nu and B = S^-1 it is a_i' B_ii^-1 a_i (docs/mathematics.md).
@@ -281,6 +283,31 @@ class Unscented final : public Belief {
         });
     h.A *= J;
     return h;
+  }
+
+  // By all that is in pixels_.
+  void correct_all() {
+    stack();
+    for (std::size_t k = 0; k < pixels_.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(2 * k);
+      S_.diagonal().segment<2>(i).array() += pixels_[k].z.variance(setup_.pixel_sigma);
+    }
+    if (!pixels_.empty()) correct(P_Ht_, S_, nu_);
+  }
+
+  // Schmidt's update: the gain of everything but the landmark itself is zero.
+  void correct_own(const Observation& z, const Rows& rows) {
+    const Linearised h = pixel(rows);
+    if (!h.mean.allFinite()) return;
+    const Landmark& l = landmarks_.at(z.track);
+    const Rows own = joined(l.y, l.w);
+    const MatrixXd P_Ht = P_(Eigen::all, rows) * h.A.transpose();
+    MatrixXd S = h.A * P_Ht(rows, Eigen::all) + h.cov_e;
+    S.diagonal().array() += z.variance(setup_.pixel_sigma);
+    const MatrixXd K = S.llt().solve(P_Ht(own, Eigen::all).transpose()).transpose();
+    P_(own, Eigen::all) -= (K * P_Ht.transpose()).eval();
+    P_(Eigen::all, own) = P_(own, Eigen::all).transpose().eval();
+    x_(own) += K * (z.pixel - h.mean);
   }
 
   // By what was measured: nu from the mean, with covariance S, and P_Ht with the state.

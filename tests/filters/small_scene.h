@@ -1,9 +1,11 @@
 // A camera and four landmarks, for tests of the EKF's joint state.
 #pragma once
 
+#include <algorithm>
 #include <random>
+#include <vector>
 
-#include "filters/ekf_update.h"
+#include "filters/update.h"
 
 namespace slammot {
 
@@ -33,6 +35,25 @@ inline JointState scene(int anchors) {
   return state;
 }
 
+// Jacobians at the estimate, and nothing stated or kept beside the thesis's.
+inline Devices plain(const LandmarkFunctions& functions) {
+  return {functions, Linearisation(FilterLinearisation::kStandard, functions, nullptr), {}};
+}
+
+// Of any size.
+inline JointCovariance joint_of(const Eigen::MatrixXd& P) {
+  JointCovariance joint;
+  std::vector<StateBlock> before;
+  const auto size = static_cast<int>(P.rows());
+  for (int at = 0; at < size; at += JointCovariance::kLargestBlock) {
+    const int dim = std::min(size - at, JointCovariance::kLargestBlock);
+    const StateBlock b = joint.append({}, P.block(at, at, dim, dim));
+    for (const StateBlock& a : before) joint.add(a, b, P.block(a.offset, at, a.dim, dim));
+    before.push_back(b);
+  }
+  return joint;
+}
+
 // Of all landmarks, with 2 px of noise.
 inline std::vector<Observation> pixels_of(const JointState& state, const PointFunctions& point,
                                           unsigned seed) {
@@ -48,16 +69,15 @@ inline std::vector<Observation> pixels_of(const JointState& state, const PointFu
 }
 
 // The camera moves for 0.1 s, and is corrected.
-inline void step(JointState& state, Linearisation& linearisation,
-                 const std::vector<Observation>& matches) {
+inline void step(JointState& state, Devices& devices, const std::vector<Observation>& matches) {
   MotionNoise noise{2.0, 1.0};
   const double dt = 0.1;
   state.covariance.propagate({JointState::kCamera}, predict_jacobian(state.camera, dt),
                              camera_noise(noise, state.camera, dt));
   state.camera = predict(state.camera, dt);
   Innovation z;
-  linearise(state, linearisation, pinhole(), matches, z);
-  update(state, linearisation, pinhole(), 1.0, 1, z);
+  linearise(state, devices, pinhole(), matches, z);
+  update(state, devices, pinhole(), 1.0, 1, z);
 }
 
 }  // namespace slammot

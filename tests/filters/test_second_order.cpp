@@ -106,7 +106,7 @@ double nees_at_the_start(std::uint64_t seed, bool second_order) {
 
 TEST(SecondOrder, ClaimsLessWhereMotionAndDepthsAreUnknown) {
   double ratio = 1.0;
-  constexpr int kSeeds = 6;
+  constexpr int kSeeds = 2;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const double with = nees_at_the_start(seed, true), without = nees_at_the_start(seed, false);
     std::printf("seed %d: NEES %.0f, without %.0f\n", static_cast<int>(seed), with, without);
@@ -119,7 +119,7 @@ TEST(SecondOrder, ClaimsLessWhereMotionAndDepthsAreUnknown) {
 // that their depths do not tell must not reject the four that know theirs. Without the blocks
 // beside the diagonal the error is a tenth of the path.
 TEST(SecondOrder, KnownLandmarksAreBelievedWhereTheMeanDepthIsNotKnown) {
-  constexpr int kSeeds = 5;
+  constexpr int kSeeds = 2;
   double share = 1.0;  // of the path, geometric mean
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const Sequence sequence = simulate(

@@ -13,8 +13,7 @@
 namespace slammot {
 namespace {
 
-Linearisation standard({.equivariant_scale = false, .second_order = false},
-                       find_landmark("scaled_velocity", "inverse_depth"), nullptr);
+Devices standard = plain(find_landmark("scaled_velocity", "inverse_depth"));
 
 TEST(SharedAnchor, GivesTheSameEstimatesAsOneForEachLandmark) {
   JointState shared = scene(1), single = scene(4);
@@ -95,8 +94,8 @@ TEST(JointCovariance, OfAllPixelsIsHPHt) {
 
 // Pictures show the S that the gate asks.
 TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
-  const Linearisation second({.equivariant_scale = false},
-                             find_landmark("scaled_velocity", "inverse_depth"), nullptr);
+  Devices second = standard;
+  second.second_order = SecondOrder::kOwn;
   JointState state = scene(1);
   state.free_motion(3, MotionVector::Constant(3, 0.5));
   step(state, standard, pixels_of(state, standard.point(), 1));
@@ -120,16 +119,15 @@ TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
 // A camera that has moved, two anchors that are not known alike, a free landmark; the first of the
 // matches has been let go.
 struct SecondOrderScene {
-  explicit SecondOrderScene(bool has_known)
-      : linearisation({.equivariant_scale = false}, model, nullptr) {
-    Linearisation first({.equivariant_scale = false, .second_order = false}, model, nullptr);
-    if (has_known) linearisation.known_birth(state, {9, {0, 0, 5}, 0.001}, 0, {});
+  explicit SecondOrderScene(bool has_known) {
+    Devices first = devices;
+    devices.second_order = has_known ? SecondOrder::kCommon : SecondOrder::kOwn;
     state.camera.velocity = {1.0, 0.0, 0.2};  // at rest no depth is measured
     state.covariance.propagate({state.anchors.at(1).block}, Eigen::Matrix3d::Identity(),
                                1e-3 * Eigen::Matrix3d::Identity());
     state.free_motion(2, MotionVector::Constant(3, 0.5));
     step(state, first, pixels_of(state, model.point, 1));
-    linearise(state, linearisation, pinhole(), pixels_of(state, model.point, 2), z);
+    linearise(state, devices, pinhole(), pixels_of(state, model.point, 2), z);
     const std::vector<Observation> kept(z.matches.begin() + 1, z.matches.end());
     keep(kept, z);
     fill_HPHt(state, z, result);
@@ -155,7 +153,7 @@ struct SecondOrderScene {
   }
 
   const LandmarkFunctions& model = find_landmark("scaled_velocity", "log_inverse_depth");
-  Linearisation linearisation;
+  Devices devices = plain(model);
   JointState state = scene(2);
   Innovation z;
   GrowingMatrix result;
@@ -230,8 +228,8 @@ TEST(RemoveLandmarks, LeavesTheMarginalOfTheRest) {
 // A free landmark among static ones, of which one's motion is remembered, a clone and a scene: P
 // as of the textbook's (I - K H) P (I - K H)' + K R K', with the rows of the gain that are not the
 // landmark's at zero.
-TEST(UpdateAlone, IsTheJosephFormWithTheLandmarksRowsOfTheGain) {
-  constexpr int kTrack = 1, kHeld = 2;
+TEST(UpdateConsidered, IsTheJosephFormWithTheLandmarksRowsOfTheGain) {
+  constexpr int kTrack = 1, kConstrained = 2;
   constexpr double kSigma = 1.2;
   JointState state = scene(2);
   state.scene = {0.2, state.covariance.append({}, Eigen::MatrixXd::Constant(1, 1, 0.01))};
@@ -244,15 +242,15 @@ TEST(UpdateAlone, IsTheJosephFormWithTheLandmarksRowsOfTheGain) {
       {state.landmarks.at(kTrack).y_block, state.landmarks.at(kTrack).w_block}, F,
       Matrix6d::Zero());
   state.clone_pose(state.clones.front());
-  state.free_motion(kHeld, MotionVector::Constant(3, 0.1));
+  state.free_motion(kConstrained, MotionVector::Constant(3, 0.1));
   const int n = state.covariance.size();
-  state.hold_motion(kHeld, Eigen::MatrixXd::Constant(n, 3, 0.01), Eigen::Matrix3d::Identity(),
-                    Eigen::Vector3d(0.1, 0.2, 0.3));
+  state.constrain_motion(kConstrained, Eigen::MatrixXd::Constant(n, 3, 0.01),
+                         Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.1, 0.2, 0.3));
   const JointState before = state;
   Observation z = pixels_of(state, standard.point(), 9)[kTrack];
   z.relative_sigma = 1.5;
   Innovation memory;
-  update_alone(state, standard, pinhole(), {&z, 1}, kSigma, memory);
+  update_considered(state, standard, pinhole(), {&z, 1}, kSigma, memory);
 
   Innovation plain;
   linearise(before, standard, pinhole(), {&z, 1}, plain);
@@ -279,7 +277,8 @@ TEST(UpdateAlone, IsTheJosephFormWithTheLandmarksRowsOfTheGain) {
   EXPECT_LT((after.w - landmark.w - dx.segment<3>(landmark.w_block.offset)).norm(), 1e-14);
   EXPECT_GT(dx.segment<3>(landmark.w_block.offset).norm(), 1e-6);
   EXPECT_EQ(boxminus(state.camera, before.camera).norm(), 0.0);
-  EXPECT_EQ(state.landmarks.at(kHeld).held, before.landmarks.at(kHeld).held);
+  EXPECT_EQ(state.landmarks.at(kConstrained).information,
+            before.landmarks.at(kConstrained).information);
   EXPECT_EQ(state.landmarks.at(0).y, before.landmarks.at(0).y);
   EXPECT_EQ(state.scene->inverse_depth, before.scene->inverse_depth);
   EXPECT_EQ(state.clones.front().position, before.clones.front().position);
@@ -295,17 +294,23 @@ Eigen::MatrixXd some_covariance(int n) {
 TEST(JointCovariance, HasTheProductsOfADenseMatrix) {
   const int n = 300;  // more than one run of columns
   const Eigen::MatrixXd P = some_covariance(n), A = some_covariance(n).topRows(7);
-  const Eigen::MatrixXd S = some_covariance(7), x = Eigen::MatrixXd::Random(20, 2);
-  JointCovariance joint;
-  joint.append_rows(Eigen::MatrixXd(0, 12), P.topLeftCorner(12, 12));
-  joint.append_rows(P.topRightCorner(12, n - 12), P.bottomRightCorner(n - 12, n - 12));
+  const Eigen::MatrixXd S = some_covariance(7), L = Eigen::MatrixXd::Random(n, 3);
+  const Eigen::MatrixXd M = Eigen::MatrixXd::Random(n, 3);
+  JointCovariance joint = joint_of(P);
   EXPECT_TRUE(joint.dense() == P);
-  EXPECT_LT((joint.multiply({5, 20}, x) - P.middleCols(5, 20) * x).norm(), 1e-12 * P.norm());
+  Eigen::MatrixXd P_L(n, 3);
+  joint.multiply(L, P_L);
+  EXPECT_LT((P_L - P * L).norm(), 1e-12 * P_L.norm());
   joint.add_product(A, S * A);
   EXPECT_LT((joint.dense() - P - A.transpose() * S * A).norm(), 1e-12 * joint.dense().norm());
-  joint.assign(P);
-  joint.clear({30, 3});
-  EXPECT_EQ(joint.multiply({30, 3}, Eigen::Matrix3d::Identity()).norm(), 0.0);
+  joint = joint_of(P);
+  joint.add_dependence(L, M);
+  const Eigen::MatrixXd T = Eigen::MatrixXd::Identity(n, n) + M * L.transpose();
+  EXPECT_LT((joint.dense() - T * P * T.transpose()).norm(), 1e-12 * joint.dense().norm());
+  joint = joint_of(P);
+  joint.assign({30, 3}, Eigen::MatrixXd::Zero(n, 3), Eigen::Matrix3d::Identity());
+  EXPECT_EQ(joint.block({30, 3}, {0, 12}).norm(), 0.0);
+  EXPECT_TRUE(joint.block({30, 3}, {30, 3}) == Eigen::Matrix3d::Identity());
   EXPECT_TRUE(joint.block({0, 3}, {33, 3}) == P.block(0, 33, 3, 3));
 }
 

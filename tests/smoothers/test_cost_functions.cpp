@@ -65,7 +65,7 @@ std::vector<SmallVector> blocks_of(const CameraState& x) {
 struct CostFunctions : testing::Test {
   std::mt19937_64 engine{11};
   std::normal_distribution<double> normal;
-  GraphModels models{test::pinhole(), 2.0, {}, &landmark_table().front(), nullptr};
+  GraphModels models{test::pinhole(), 2.0, {}, &landmark_table().front()};
   CameraState a, b;
   SmallVector anchor, y;
 

@@ -81,7 +81,7 @@ TEST(FarPoints, NoneIsFartherThanTheLimit) {
 }
 
 TEST(FarPoints, TheLimitIsAHundredthOfTheBirthsMean) {
-  const test::Scene scene(3, {{"scaled_velocity", "log_inverse_depth"}, false, false});
+  const test::Scene scene(3, {{"scaled_velocity", "log_inverse_depth"}, false});
   const Graph& graph = scene.graph;
   const GraphLandmark& plain = graph[test::Scene::kPlain];
   EXPECT_GT(plain.birth.inverse_depth, 0.0);

@@ -13,7 +13,7 @@ using test::Scene;
 constexpr double kExact = 1e-8;  // [sigma]
 
 struct FirstEstimates : testing::TestWithParam<bool> {
-  FirstEstimates() : scene(12, {test::kModel, false, GetParam()}), graph(scene.graph) {}
+  FirstEstimates() : scene(12, {test::kModel, GetParam()}), graph(scene.graph) {}
   bool are_fixed() const { return GetParam(); }
   const GraphPixel& pixel(LandmarkId id, int frame) const {
     for (const GraphPixel& p : graph[id].pixels) {
@@ -129,23 +129,6 @@ TEST_P(FirstEstimates, MarginalisationIsExact) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OrNot, FirstEstimates, testing::Bool());
-
-// At the truth noises have points too, and F^-1 is that of the factors: all of it is exact.
-TEST(LinearisationPoints, MarginalisationIsExact) {
-  for (const test::Model& model : test::models()) {
-    Scene scene(13, {model, false, true});
-    scene.fix_points();
-    EXPECT_GT((test::stored_problem(scene.graph).J - test::dense_problem(scene.graph).J).norm(),
-              1e-3);
-    for (int i = 0; i < 2; ++i) {
-      EXPECT_LT(test::change_by_marginalising(scene, scene.oldest_leaves()), kExact) << model;
-      scene.move();
-    }
-    Leaving leaving;
-    leaving.departures = {scene.drop(Scene::kMoving), scene.drop(Scene::kFreed)};
-    EXPECT_LT(test::change_by_marginalising(scene, leaving), kExact) << model;
-  }
-}
 
 }  // namespace
 }  // namespace slammot

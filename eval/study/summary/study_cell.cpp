@@ -45,6 +45,7 @@ void CellSummary::add(const Json& run) {
   if (!warnings.empty()) {
     warnings_.push_back({{"seed", seed}, {"warnings", json_of(warnings)}});
   }
+  if (run.contains("in_force")) add_in_force(run["in_force"]);
   const bool batch = is_batch(cell_.estimator);  // see RunResult
   const char* judged = batch ? "smoothed" : "filtered";
   const char* frames = batch ? "smoothed_frames" : "frames";
@@ -64,6 +65,32 @@ void CellSummary::add(const Json& run) {
   for (const std::string which : {"filtered", "smoothed"}) {
     add_values(Scope::kTrajectory, run.at(which), which + "_");
   }
+}
+
+void CellSummary::add_in_force(const Json& mechanisms) {
+  ++stating_;
+  for (const Mechanism& m : in_force_of(mechanisms)) {
+    auto known = std::ranges::find(in_force_, m.name, &std::pair<std::string, Acting>::first);
+    if (known == in_force_.end()) known = in_force_.insert(known, {m.name, {m.key, "", 0, 0}});
+    Acting& acting = known->second;
+    if (!m.because.empty()) acting.because = m.because;
+    acting.on += m.is_on ? 1 : 0;
+    acting.acted += m.acted;
+  }
+}
+
+// A seed may decide, as where the sequence states what a mechanism asks for.
+Json CellSummary::in_force() const {
+  Json json = Json::array();
+  for (const auto& [name, m] : in_force_) {
+    json.push_back({{"name", name},
+                    {"key", m.key},
+                    {"on", m.on},
+                    {"runs", stating_},
+                    {"because", m.because},
+                    {"acted", m.acted}});
+  }
+  return json;
 }
 
 void CellSummary::add_frames(std::uint64_t seed, const Json& frames) {
@@ -142,6 +169,7 @@ Json CellSummary::json() const {
   for (const auto& [key, value] : key_values(configuration)) {
     json["configuration"][key] = value;
   }
+  if (stating_ > 0) json["in_force"] = in_force();
   if (coverage_.empty()) return json;  // no run began
   for (const auto& [key, scalar] : scalars_) {
     json[key] = json_of(pool(scalar.samples, scalar.pooled));

@@ -31,8 +31,16 @@ class CellSummary {
     Pooled pooled;
     std::vector<double> samples;
   };
+  // A mechanism over the runs that state it.
+  struct Acting {
+    std::string key, because;
+    int on = 0;
+    long acted = 0;
+  };
   void add_frames(std::uint64_t seed, const nlohmann::ordered_json& frames);
   nlohmann::ordered_json nees_by_run() const;
+  void add_in_force(const nlohmann::ordered_json& mechanisms);
+  nlohmann::ordered_json in_force() const;
   void add_values(Scope scope, const nlohmann::ordered_json& values, const std::string& prefix);
 
   const StudyCell& cell_;
@@ -45,6 +53,8 @@ class CellSummary {
   std::map<std::uint64_t, double> position_rmse_, stated_sigma_, pose_nees_;
   std::map<std::uint64_t, std::pair<RunNees, nlohmann::ordered_json>> run_nees_;  // and its frame
   std::map<std::string, Scalar> scalars_;
+  std::vector<std::pair<std::string, Acting>> in_force_;  // by name, in the order stated
+  int stating_ = 0;                                       // runs that state what is in force
   FrameStatistics frames_;
   nlohmann::ordered_json axes_;  // of the first seed
   LandmarkAges ages_;

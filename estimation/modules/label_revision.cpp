@@ -1,0 +1,130 @@
+#include "estimation/modules/label_revision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace slammot {
+
+namespace {
+
+constexpr int kInnovations = 10;       // the latest, in the test of a label
+constexpr double kProbability = 1e-4;  // of a right label being rejected in a frame
+constexpr int kMostUnseen = 5;         // frames, and a motion is forgotten
+constexpr double kBeyondDoubt = 1e4;   // posterior over prior odds of rest
+
+bool reversible(const LabelOptions& options) { return options.rule == LabelRule::kReversible; }
+
+}  // namespace
+
+std::string why_no_memory(const ModelOptions& models, const LandmarkFunctions& landmark) {
+  if (!reversible(models.labels)) return "labels=one_way";
+  if (models.collapse != Collapse::kCondition) return "collapse=drop";
+  if (!landmark.can_move || landmark.motion != 3) {
+    return "landmark=" + std::string(landmark.name);
+  }
+  return models.policy.delayed ? "estimator delayed" : "";
+}
+
+int motion_memory(const ModelOptions& models, const LandmarkFunctions& landmark) {
+  return why_no_memory(models, landmark).empty() ? models.labels.memory : 0;
+}
+
+bool is_forgotten(const TrackRecord& record, int memory) {
+  const int age = record.remembered_frames;
+  return record.rests_beyond_doubt || age >= memory || record.unused_frames >= kMostUnseen;
+}
+
+void note_motion(TrackRecord& record, const MotionBelief& motion) {
+  const auto log_ratio = log_odds_ratio_of_rest(motion);
+  if (log_ratio && *log_ratio > std::log(kBeyondDoubt)) record.rests_beyond_doubt = true;
+}
+
+bool watches_innovations(const LabelOptions& options) { return reversible(options); }
+
+bool is_asked(const TrackRecord& record, const LabelOptions& options) {
+  if (record.observations < options.sightings) return false;
+  return record.label == Label::kUnknown || (reversible(options) && record.label == Label::kMoving);
+}
+
+void note_answer(TrackRecord& record, Label answer, int frame) {
+  if (record.label == Label::kMoving && answer != Label::kStatic) return;
+  note_decision(record, answer, frame);
+}
+
+void note_innovation(TrackRecord& record, double nis, const LabelOptions& options) {
+  if (!reversible(options) || record.label != Label::kStatic || record.known) return;
+  std::vector<double>& kept = record.static_nis;
+  kept.reserve(kInnovations);
+  if (std::ssize(kept) == kInnovations) kept.erase(kept.begin());
+  kept.push_back(nis);
+}
+
+double moved_px(const TrackRecord& record, const Camera& camera, double dt) {
+  constexpr double kNear = 2.0;  // sigmas of the inverse depth
+  const LandmarkPrior& prior = record.prior;
+  const double near = prior.inverse_depth + kNear * prior.inverse_depth_sigma;
+  const double metres = prior.velocity_sigma() * dt * (record.unused_frames + 1);
+  return std::max(camera.fx, camera.fy) * near * metres;
+}
+
+double log_tail(const TrackRecord& record) {
+  const std::vector<double>& nis = record.static_nis;
+  return log_chi_square_tail(std::accumulate(nis.begin(), nis.end(), 0.0),
+                             static_cast<int>(nis.size()));
+}
+
+void note_depth(TrackRecord& record, const SeenDepth& depth, const LabelOptions& options) {
+  constexpr double kBehind = 5.0;  // [sigma]
+  if (!reversible(options) || record.known) return;
+  record.is_behind = depth.inverse_depth < -kBehind * depth.sigma;
+}
+
+bool is_rejected(const TrackRecord& record) {
+  if (record.is_behind) return true;
+  if (record.static_nis.size() < 2) return false;  // a single outlier is the gate's business
+  return log_tail(record) < std::log(kProbability);
+}
+
+void find_undoing(const TrackRecords& records, std::span<const int> tracks,
+                  std::span<const MotionBelief> motions, std::span<const Label> answers,
+                  Undoing& result) {
+  result.free.clear();
+  result.release.reset();
+  double most = 0.0;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const int track = motions[i].track;
+    if (!is_rejected(records.at(track)) && answers[i] != Label::kMoving) continue;
+    const double distance = mahalanobis_from_zero(motions[i].w, motions[i].covariance);
+    if (result.release && distance <= most) continue;
+    most = distance;
+    result.release = track;
+  }
+  for (const int track : tracks) {
+    const bool is_remembered =
+        std::ranges::find(motions, track, &MotionBelief::track) != motions.end();
+    if (!is_remembered && is_rejected(records.at(track))) result.free.push_back(track);
+  }
+}
+
+void note_reverted(TrackRecord& record) {
+  record.label = Label::kUnknown;
+  record.cannot_rest = record.cannot_rest || record.is_behind;
+  record.is_behind = false;
+  record.decision_frame.reset();
+  record.rejected_in_row = 0;
+  record.static_nis.clear();
+  record.classifier_memory.clear();
+  record.is_remembered = record.rests_beyond_doubt = false;
+}
+
+double log_chi_square_tail(double x, int n) {
+  double term = 1.0, sum = 0.0;
+  for (int k = 0; k < n; ++k) {
+    sum += term;
+    term *= 0.5 * x / (k + 1);
+  }
+  return -0.5 * x + std::log(sum);
+}
+
+}  // namespace slammot

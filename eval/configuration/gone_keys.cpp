@@ -1,0 +1,56 @@
+// Keys and values of the configuration that are gone, and what to write instead.
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "eval/configuration/configuration.h"
+
+namespace slammot {
+namespace {
+
+struct Gone {
+  std::string_view was;  // KEY, or KEY=VALUE
+  std::string_view use;
+};
+
+constexpr Gone kGone[] = {
+    {"classifier.hidden_speed", "classifier.decisive_odds"},
+    {"classifier.moving_factor", "classifier.decisive_odds"},
+    {"classifier.static_factor", "classifier.decisive_odds"},
+    {"classifier=bayes_factor", "classifier=odds"},
+    {"ekf.deferred", "nothing: every update is of the whole map"},
+    {"ekf.equivariant_scale", "ekf.gauge (scale; false: none)"},
+    {"ekf.linearisation=invariant", "ekf.gauge=heading"},
+    {"ekf.static_enough", "policy.movers (considered: as with 12; joint: as with 0)"},
+    {"frames.step", "nothing: a sequence has the frames that it is to be judged by"},
+    {"initial.angular_velocity_sigma", "the sequence's initial.yaml"},
+    {"initial.velocity_sigma", "the sequence's initial.yaml"},
+    {"labels.pooled", "nothing: each point is labelled by itself"},
+    {"labels.probability", "labels (reversible, one_way)"},
+    {"labels.start", "labels.first_frame (odds, static)"},
+    {"labels.start_over", "labels.first_frame (odds, which starts over in 40 frames; static)"},
+    {"labels.window", "labels (reversible, one_way)"},
+    {"policy.lost_after", "policy.prune_after"},
+    {"policy.missed_after", "policy.prune_missed_after"},
+    {"policy.probation", "nothing: a track is a landmark from its first measurement on"},
+    {"policy.retain",
+     "nothing: the landmark unseen longest leaves when policy.max_landmarks is reached"},
+    {"prior.source=map", "empirical"},
+    {"prior.source=stated", "fixed"},
+    {"window.linearisation=ideal", "ekf.linearisation=ideal"},
+    {"window.loss", "gate.probability and gate.given_others"},
+    {"window.prior", "nothing: what is known of a landmark is kept"},
+    {"window.retest", "gate.given_others"},
+};
+
+}  // namespace
+
+void refuse_gone(const Assignment& assignment) {
+  const std::string setting = assignment.key + "=" + assignment.value;
+  for (const Gone& gone : kGone) {
+    if (assignment.key != gone.was && setting != gone.was) continue;
+    throw std::invalid_argument(fmt::format("'{}' is gone: use {}", gone.was, gone.use));
+  }
+}
+
+}  // namespace slammot

@@ -1,0 +1,18 @@
+// What of the method acted in a run (estimation/in_force.h), in files and on the terminal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "eval/output/metrics_json.h"
+#include "eval/output/metrics_table.h"
+
+namespace slammot {
+
+// A row per mechanism, a column per run that states any; empty where none does.
+std::string in_force_table(const std::vector<NamedMetrics>& results);
+
+// One line about each run for which an option is on that is without effect; empty without any.
+std::string without_effect_lines(const std::vector<NamedMetrics>& results);
+
+}  // namespace slammot

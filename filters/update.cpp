@@ -1,0 +1,270 @@
+#include "filters/update.h"
+
+#include <Eigen/LU>
+#include <cassert>
+
+#include "filters/second_order.h"
+
+// LAPACK: the Cholesky factor of one triangle, in place; and from it one triangle of the inverse.
+// NOLINTBEGIN(readability-identifier-naming)
+extern "C" void dpotrf_(const char* uplo, const int* n, double* A, const int* lda, int* info);
+extern "C" void dpotri_(const char* uplo, const int* n, double* A, const int* lda, int* info);
+// NOLINTEND(readability-identifier-naming)
+
+namespace slammot {
+
+namespace {
+
+using Eigen::Index;
+
+// h at the estimate with the Jacobians of the linearisation point; its own where there are none. At
+// the truth a measurement counts whether or not the estimate sees its landmark: what is learnt must
+// not depend on the estimate.
+std::optional<ObservedPixel> linearised(const JointState& state, const Devices& devices,
+                                        const Camera& camera, int track) {
+  const FilterLandmark& landmark = state.landmarks.at(track);
+  const PointFunctions& point = devices.point();
+  const Linearisation& linearisation = devices.linearisation;
+  auto h = expect(camera, point, state.camera.position, state.camera.orientation,
+                  state.anchors.at(landmark.anchor).position, landmark.y);
+  if (linearisation.at_estimate() || (!h && !linearisation.at_truth())) return h;
+  const CameraState at = linearisation.camera(state);
+  const LandmarkVector x = linearisation.landmark(state, track);
+  auto there = observe(camera, point, at.position, at.orientation,
+                       linearisation.anchor(state, landmark.anchor), Eigen::Vector3d(x.head<3>()));
+  if (!there) return h;
+  if (h) there->pixel = h->pixel;
+  return there;
+}
+
+void stack_J_pose(Innovation& z) {
+  z.J_pose.resize(z.rows(), 6);
+  for (Index i = 0; i < std::ssize(z.predicted); ++i) {
+    (*z.J_pose).middleRows<2>(2 * i) = z.predicted[static_cast<std::size_t>(i)].J_pose;
+  }
+}
+
+// J_w of a pixel of a landmark whose motion is constrained (constrained_motion.cpp): what it would
+// have moved by since it came to rest.
+void add_J_w(const JointState& state, const Devices& devices, int track, const Matrix23d& J_y,
+             Eigen::Ref<Eigen::MatrixX2d> P_Ht) {
+  const FilterLandmark& landmark = state.landmarks.at(track);
+  if (!landmark.is_constrained()) return;
+  const Eigen::Vector3d y = devices.linearisation.landmark(state, track).head<3>();
+  const auto F_yw = moved_from_rest(devices.functions, y, state.time - landmark.rest_time);
+  const StateBlock w = landmark.constrained_block;
+  P_Ht.middleRows(w.offset, w.dim) += (J_y * F_yw).transpose();
+}
+
+// P H': a measurement touches 6 + 3 + 3 columns of P.
+void fill_P_Ht(const JointState& state, const Devices& devices, Innovation& z) {
+  const JointCovariance& P = state.covariance;
+  z.P_Ht.resize(P.size(), z.rows());
+  if (z.rows() == 0) return;
+  stack_J_pose(z);
+  z.columns.resize(P.size(), 6);
+  P.columns(JointState::kPose, *z.columns);
+  auto P_Ht = *z.P_Ht;
+  P_Ht.noalias() = *z.columns * (*z.J_pose).transpose();
+  for (std::size_t i = 0; i < z.matches.size(); ++i) {
+    const FilterLandmark& landmark = state.landmarks.at(z.matches[i].track);
+    const StateBlock anchor = state.anchors.at(landmark.anchor).block;
+    const auto columns = P_Ht.middleCols<2>(static_cast<Index>(2 * i));
+    P.add_columns(anchor, z.predicted[i].J_anchor, columns);
+    P.add_columns(landmark.y_block, z.predicted[i].J_y, columns);
+    add_J_w(state, devices, z.matches[i].track, z.predicted[i].J_y, columns);
+  }
+}
+
+// The rows of H x of match i, for a matrix x with the state's rows.
+template <typename X, typename Out>
+void rows_of_H(const JointState& state, const Innovation& z, std::size_t i, const X& x, Out&& out) {
+  const ObservedPixel& h = z.predicted[i];
+  const FilterLandmark& landmark = state.landmarks.at(z.matches[i].track);
+  const int anchor = state.anchors.at(landmark.anchor).block.offset;
+  out = h.J_pose.lazyProduct(x.template topRows<6>()) +
+        h.J_anchor.lazyProduct(x.template middleRows<3>(anchor)) +
+        h.J_y.lazyProduct(x.template middleRows<3>(landmark.y_block.offset));
+}
+
+// W := W L'^-1, by halves: OpenBLAS's triangular solve with AVX-512 kernels is much slower than its
+// product.
+void solve_on_the_right(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::MatrixXd> W) {
+  const Index half = L.cols() / 2, rest = L.cols() - half;
+  auto first = W.leftCols(half), second = W.rightCols(rest);
+  L.topLeftCorner(half, half)
+      .triangularView<Eigen::Lower>()
+      .transpose()
+      .solveInPlace<Eigen::OnTheRight>(first);
+  second.noalias() -= first * L.bottomLeftCorner(rest, half).transpose();
+  L.bottomRightCorner(rest, rest)
+      .triangularView<Eigen::Lower>()
+      .transpose()
+      .solveInPlace<Eigen::OnTheRight>(second);
+}
+
+// P H' becomes W = P H' L'^-1 with S = L L', so that W W' = P H' S^-1 H P, and dx = W L^-1 nu.
+void solve(Innovation& z) {
+  auto S = *z.S;
+  const int size = static_cast<int>(z.rows());
+  int info = 0;
+  dpotrf_("L", &size, S.data(), &size, &info);
+  if (info != 0) throw Diverged("the innovation covariance is not positive definite");
+  auto W = *z.P_Ht;
+  solve_on_the_right(S, W);
+  auto nu = z.stacked_nu();
+  S.triangularView<Eigen::Lower>().solveInPlace(nu);
+  z.dx.resize(W.rows(), 1);
+  (*z.dx).noalias() = W * nu;
+  if (!(*z.dx).allFinite()) throw Diverged("the correction of the state is not finite");
+}
+
+// The innovation at an iterate x_i = x [+] dx, written as one of the prior's coordinates: with
+// dr = J_r dtheta the Jacobian of the iterate, H~ = H dr and nu~ = z - h(x_i) + H~ dx. Where the
+// linearisation point is fixed, H~ = H.
+void relinearise(const JointState& prior, const Devices& devices, const Camera& camera,
+                 const Innovation& first, Innovation& z) {
+  const Eigen::VectorXd dx = *z.dx;
+  JointState iterate{prior.camera, prior.scene, prior.anchors, prior.landmarks, {}, {}, prior.time};
+  iterate.move(dx);
+  const Eigen::Matrix3d J_r = right_jacobian_so3(dx.segment<3>(kRotation));
+  z.nu = first.nu;
+  z.predicted = first.predicted;
+  std::vector<bool> evaluated(first.matches.size(), false);
+  for (std::size_t k = 0; k < first.matches.size(); ++k) {
+    const FilterLandmark& landmark = iterate.landmarks.at(first.matches[k].track);
+    const auto h =
+        observe(camera, devices.point(), iterate.camera.position, iterate.camera.orientation,
+                iterate.anchors.at(landmark.anchor).position, landmark.y);
+    if (!h) continue;  // keeps the residual and linearisation it had
+    evaluated[k] = true;
+    z.nu[k] = first.matches[k].pixel - h->pixel;
+    if (!devices.linearisation.at_estimate()) continue;
+    z.predicted[k] = *h;
+    z.predicted[k].J_pose.rightCols<3>() *= J_r;
+  }
+  fill_P_Ht(prior, devices, z);
+  for (std::size_t k = 0; k < evaluated.size(); ++k) {
+    Eigen::Matrix<double, 2, 1> H_dx;
+    rows_of_H(prior, z, k, dx, H_dx);
+    if (evaluated[k]) z.nu[k] += H_dx;
+  }
+}
+
+}  // namespace
+
+void linearise(const JointState& state, const Devices& devices, const Camera& camera,
+               std::span<const Observation> matches, Innovation& result) {
+  result.matches.clear();
+  result.predicted.clear();
+  result.nu.clear();
+  for (const Observation& match : matches) {
+    const auto h = linearised(state, devices, camera, match.track);
+    if (!h) continue;
+    result.matches.push_back(match);
+    result.predicted.push_back(*h);
+    result.nu.emplace_back(match.pixel - h->pixel);
+  }
+  fill_P_Ht(state, devices, result);
+  fill_P_rho(state, devices, result);
+}
+
+std::optional<Prediction> predict_pixel(const JointState& state, const Devices& devices,
+                                        const Camera& camera, int track) {
+  const auto h = linearised(state, devices, camera, track);
+  if (!h) return std::nullopt;
+  const FilterLandmark& landmark = state.landmarks.at(track);
+  const StateBlock blocks[] = {JointState::kPose, state.anchors.at(landmark.anchor).block,
+                               landmark.y_block};
+  Eigen::Matrix<double, 2, 12> H;
+  H << h->J_pose, h->J_anchor, h->J_y;
+  const Matrix12d P = state.marginal(blocks);
+  Eigen::Matrix2d HPHt = H * P * H.transpose();
+  if (devices.second_order != SecondOrder::kNone && !landmark.is_free()) {
+    constexpr int kPlaces[] = {0, 1, 2, 6, 7, 8, 9, 10, 11};  // of r, a, y
+    HPHt += second_order_noise(devices.point(), landmark.y, P(kPlaces, kPlaces), *h);
+  }
+  return Prediction{track, h->pixel, HPHt};
+}
+
+// The camera's part of all matches in one product, then each landmark's.
+void fill_HPHt(const JointState& state, Innovation& z, GrowingMatrix& result) {
+  result.resize(z.rows(), z.rows());
+  auto S = *result;
+  const auto P_Ht = *z.P_Ht;
+  stack_J_pose(z);  // some matches may have gone since P H' was filled
+  S.noalias() = *z.J_pose * P_Ht.topRows<6>();
+  for (std::size_t i = 0; i < z.matches.size(); ++i) {
+    const ObservedPixel& h = z.predicted[i];
+    const FilterLandmark& landmark = state.landmarks.at(z.matches[i].track);
+    const int anchor = state.anchors.at(landmark.anchor).block.offset;
+    const auto row = static_cast<Index>(2 * i);
+    for (Index column = 0; column < row + 2; ++column) {
+      S.block<2, 1>(row, column) +=
+          h.J_anchor.lazyProduct(P_Ht.block<3, 1>(anchor, column)) +
+          h.J_y.lazyProduct(P_Ht.block<3, 1>(landmark.y_block.offset, column));
+    }
+  }
+  add_second_order(state, z, result);
+}
+
+void keep(std::span<const Observation> accepted, Innovation& z) {
+  auto P_Ht = *z.P_Ht, P_rho = *z.P_rho;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; kept < accepted.size(); ++i) {
+    assert(i < z.matches.size());
+    if (z.matches[i].track != accepted[kept].track) continue;
+    if (kept < i) {
+      z.matches[kept] = z.matches[i];
+      z.predicted[kept] = z.predicted[i];
+      z.nu[kept] = z.nu[i];
+      z.products[kept] = z.products[i];
+      if (P_rho.cols() > 0) P_rho.col(static_cast<Index>(kept)) = P_rho.col(static_cast<Index>(i));
+      P_Ht.middleCols<2>(static_cast<Index>(2 * kept)) =
+          P_Ht.middleCols<2>(static_cast<Index>(2 * i));
+    }
+    ++kept;
+  }
+  z.matches.resize(kept);
+  z.predicted.resize(kept);
+  z.nu.resize(kept);
+  z.products.resize(kept);
+  z.P_Ht.keep_columns(z.rows());
+  if (P_rho.cols() > 0) z.P_rho.keep_columns(static_cast<Index>(kept));
+}
+
+void update(JointState& state, Devices& devices, const Camera& camera, double pixel_sigma,
+            int iterations, Innovation& innovation) {
+  if (innovation.rows() == 0) return;
+  std::optional<Innovation> first;
+  if (iterations > 1) first = innovation;
+  for (int i = 0; i < iterations; ++i) {
+    if (i > 0) relinearise(state, devices, camera, *first, innovation);
+    fill_HPHt(state, innovation, innovation.S);
+    add_pixel_noise(innovation.matches, pixel_sigma, innovation.S);
+    solve(innovation);
+  }
+  state.covariance.subtract_outer(*innovation.P_Ht);
+  devices.correct(state, (*innovation.dx).col(0));
+}
+
+void nis_given_others(Innovation& z, std::vector<double>& nis) {
+  nis.clear();
+  if (z.rows() == 0) return;
+  const int size = static_cast<int>(z.rows());
+  z.S_inverse.resize(size, size);
+  auto B = *z.S_inverse;
+  B = *z.S;
+  auto a = z.stacked_nu();  // L^-1 nu
+  B.triangularView<Eigen::Lower>().transpose().solveInPlace(a);
+  int info = 0;
+  dpotri_("L", &size, B.data(), &size, &info);
+  if (info != 0) throw Diverged("the innovation covariance has no inverse");
+  for (Index i = 0; i < size; i += 2) {
+    const Eigen::Matrix2d own = B.block<2, 2>(i, i).selfadjointView<Eigen::Lower>();
+    const Eigen::Vector2d a_i = a.segment<2>(i);
+    nis.push_back(a_i.dot(own.inverse() * a_i));
+  }
+}
+
+}  // namespace slammot

@@ -1,0 +1,213 @@
+// Labels that may be taken back, on innovations whose distribution is known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "estimation/modules/label_revision.h"
+
+namespace slammot {
+namespace {
+
+LabelOptions with_rule(LabelRule rule) {
+  LabelOptions options;
+  options.rule = rule;
+  return options;
+}
+LabelOptions reversible() { return with_rule(LabelRule::kReversible); }
+
+TEST(ChiSquareTail, IsThatOfTheTables) {
+  EXPECT_NEAR(log_chi_square_tail(5.991464547107979, 1), std::log(0.05),
+              1e-12);  // 2 degrees of freedom
+  EXPECT_NEAR(log_chi_square_tail(37.56623478662507, 10), std::log(0.01), 1e-12);  // 20
+  EXPECT_NEAR(log_chi_square_tail(0.0, 10), 0.0, 1e-12);
+  EXPECT_NEAR(log_chi_square_tail(1e5, 10), -5e4 + 84.6, 0.1);  // no underflow
+}
+
+// How many of `landmarks` static ones lose their label within `frames`, their NIS being `scale`
+// times chi-square(2).
+int taken_back(double scale, int landmarks, int frames, const LabelOptions& options) {
+  std::mt19937_64 engine(1);
+  std::exponential_distribution<double> half_chi_square;  // chi-square(2) is twice exponential(1)
+  int count = 0;
+  for (int i = 0; i < landmarks; ++i) {
+    TrackRecord record = initialised(i, 0, Label::kStatic, {});
+    bool rejected = false;
+    for (int frame = 0; frame < frames && !rejected; ++frame) {
+      note_innovation(record, scale * 2.0 * half_chi_square(engine), options);
+      rejected = is_rejected(record);
+    }
+    count += rejected;
+  }
+  return count;
+}
+
+TEST(Reversible, RightLabelsStayAndWrongOnesGo) {
+  // 10,000 landmarks for 20 frames: at most 1e-4 a frame, fewer because frames share innovations.
+  EXPECT_LE(taken_back(1.0, 10000, 20, reversible()), 10000 * 20 * 1e-4);
+  EXPECT_GE(taken_back(1.0, 10000, 20, reversible()), 1);
+  EXPECT_GE(taken_back(5.0, 1000, 10, reversible()), 950);
+  EXPECT_EQ(taken_back(100.0, 1000, 20, with_rule(LabelRule::kOneWay)), 0);
+}
+
+// What keeps pace with the camera looks like a point beyond infinity.
+TEST(Reversible, NothingThatRestsHasANegativeInverseDepth) {
+  TrackRecord record = initialised(1, 0, Label::kStatic, {});
+  note_depth(record, {-0.04, 0.01}, reversible());
+  EXPECT_FALSE(is_rejected(record));  // far away, four sigma
+  note_depth(record, {-0.06, 0.01}, with_rule(LabelRule::kOneWay));
+  EXPECT_FALSE(is_rejected(record));
+  note_depth(record, {-0.06, 0.01}, reversible());
+  EXPECT_TRUE(is_rejected(record));
+  note_reverted(record);
+  EXPECT_FALSE(is_rejected(record));
+  EXPECT_TRUE(record.cannot_rest);
+
+  TrackRecord known = initialised(2, 0, Label::kStatic, {});
+  known.known = true;
+  note_depth(known, {-0.06, 0.01}, reversible());
+  EXPECT_FALSE(is_rejected(known));
+}
+
+TEST(Reversible, OnlyTheLatestInnovationsCount) {
+  const LabelOptions options = reversible();
+  TrackRecord record = initialised(1, 0, Label::kStatic, {});
+  for (int i = 0; i < 1000; ++i) note_innovation(record, 2.0, options);
+  for (int i = 0; i < 5; ++i) note_innovation(record, 10.0, options);
+  EXPECT_TRUE(is_rejected(record));  // 60 over 10 frames, not 2050 over 1005
+  note_reverted(record);
+  EXPECT_EQ(record.label, Label::kUnknown);
+  EXPECT_FALSE(record.decision_frame);
+  EXPECT_FALSE(is_rejected(record));
+}
+
+TEST(Reversible, WhatIsKnownBeforehandStays) {
+  TrackRecord record = initialised(1, 0, Label::kStatic, {});
+  record.known = true;
+  for (int i = 0; i < 20; ++i) note_innovation(record, 100.0, reversible());
+  EXPECT_FALSE(is_rejected(record));
+}
+
+TEST(Reversible, NoneIsLabelledBeforeItsThirdSighting) {
+  TrackRecord record = initialised(1, 0, Label::kUnknown, {});
+  note_accepted(record, 1);
+  EXPECT_FALSE(is_asked(record, reversible()));
+  note_accepted(record, 2);
+  EXPECT_TRUE(is_asked(record, reversible()));
+}
+
+TEST(Reversible, AMovingLandmarkMayStop) {
+  TrackRecord record = initialised(1, 0, Label::kMoving, {});
+  record.observations = 3;
+  EXPECT_FALSE(is_asked(record, with_rule(LabelRule::kOneWay)));
+  EXPECT_TRUE(is_asked(record, reversible()));
+  note_answer(record, Label::kUnknown, 3);
+  EXPECT_EQ(record.label, Label::kMoving);
+  note_answer(record, Label::kStatic, 4);
+  EXPECT_EQ(record.label, Label::kStatic);
+  EXPECT_EQ(record.decision_frame, 4);
+  EXPECT_TRUE(record.was_moving);
+}
+
+MotionBelief motion(int track, double distance, double sigma = 1.0) {
+  MotionBelief b;
+  b.track = track;
+  b.w = distance * sigma * Eigen::Vector3d::UnitX();
+  b.covariance = sigma * sigma * Eigen::Matrix3d::Identity();
+  b.prior_sigmas = MotionVector::Ones(3);
+  return b;
+}
+
+// Static landmarks, of which those in `rejected` are so by their innovations.
+TrackRecords static_records(const std::vector<int>& tracks, const std::vector<int>& rejected) {
+  TrackRecords records;
+  for (const int track : tracks) records[track] = initialised(track, 0, Label::kStatic, {});
+  for (const int track : rejected) records.at(track).static_nis = {50.0, 50.0};
+  return records;
+}
+
+TEST(Undoing, IsOfTheMostSignificantRememberedAndOfAllOthers) {
+  const std::vector<int> tracks{1, 2, 3, 4, 5, 6};
+  const auto records = static_records(tracks, {2, 5, 6});
+  const std::vector<MotionBelief> motions{motion(1, 9.0), motion(2, 3.0), motion(3, 4.0, 0.01),
+                                          motion(4, 5.0, 0.01)};
+  Undoing undoing;
+  undoing.free = {99};
+  undoing.release = 99;
+  const Label no = Label::kUnknown, moves = Label::kMoving;
+  // 1 moves most, but the classifier does not say so: 4 does before 3, by its sigmas.
+  find_undoing(records, tracks, motions, std::vector{no, Label::kStatic, moves, moves}, undoing);
+  EXPECT_EQ(undoing.release, 4);
+  EXPECT_EQ(undoing.free, (std::vector<int>{5, 6}));
+  // Innovations that reject 2 suffice, whatever the classifier says.
+  find_undoing(records, tracks, motions, std::vector{no, Label::kStatic, no, no}, undoing);
+  EXPECT_EQ(undoing.release, 2);
+  find_undoing(static_records(tracks, {}), tracks, motions, std::vector{no, no, no, no}, undoing);
+  EXPECT_FALSE(undoing.release);
+  EXPECT_TRUE(undoing.free.empty());
+}
+
+TEST(RememberedMotion, IsForgottenWithAgeUnseenAndBeyondDoubt) {
+  constexpr int kMemory = 60;
+  TrackRecord record = initialised(1, 0, Label::kStatic, {});
+  record.remembered_frames = kMemory - 1;
+  record.unused_frames = 4;
+  EXPECT_FALSE(is_forgotten(record, kMemory));
+  ++record.unused_frames;
+  EXPECT_TRUE(is_forgotten(record, kMemory));
+  record.unused_frames = 0;
+  ++record.remembered_frames;
+  EXPECT_TRUE(is_forgotten(record, kMemory));
+
+  record.remembered_frames = 0;
+  const double ratio = std::pow(1e4, 1.0 / 3.0);  // at rest the odds are its cube
+  note_motion(record, motion(1, 0.0, 1.001 / ratio));
+  EXPECT_FALSE(is_forgotten(record, kMemory));
+  note_motion(record, motion(1, 0.2, 0.999 / ratio));
+  EXPECT_FALSE(is_forgotten(record, kMemory));
+  note_motion(record, motion(1, 0.0, 0.999 / ratio));
+  EXPECT_TRUE(is_forgotten(record, kMemory));
+  note_motion(record, motion(1, 9.0));  // no more: it is gone at the next frame
+  EXPECT_TRUE(is_forgotten(record, kMemory));
+  note_reverted(record);
+  EXPECT_FALSE(is_forgotten(record, kMemory));
+}
+
+TEST(RememberedMotion, NeedsAVelocityThatIsConditionedAndMayBeReleased) {
+  const LandmarkFunctions& velocity = find_landmark("scaled_velocity", "inverse_depth");
+  ModelOptions models;
+  models.labels.memory = 7;
+  EXPECT_EQ(motion_memory(models, velocity), 7);
+  const auto without = [&](auto&& change, const LandmarkFunctions& landmark) {
+    ModelOptions other = models;
+    change(other);
+    EXPECT_EQ(motion_memory(other, landmark), 0);
+    return why_no_memory(other, landmark);
+  };
+  const auto nothing = [](ModelOptions&) {};
+  EXPECT_EQ(without([](auto& m) { m.labels.rule = LabelRule::kOneWay; }, velocity),
+            "labels=one_way");
+  EXPECT_EQ(without([](auto& m) { m.collapse = Collapse::kDrop; }, velocity), "collapse=drop");
+  EXPECT_EQ(without([](auto& m) { m.policy.delayed = true; }, velocity), "estimator delayed");
+  EXPECT_EQ(without(nothing, find_landmark("constant_acceleration", "inverse_depth")),
+            "landmark=constant_acceleration");
+}
+
+// A mover of twice the velocity's sigma, near the camera, stays within two sigmas of what is
+// granted.
+TEST(MovedPixels, CoverAMoverAndGrowWithTheTimeSinceItWasSeen) {
+  Camera camera;
+  camera.fx = camera.fy = 400.0;
+  LandmarkPrior prior;
+  prior.inverse_depth = 0.2;
+  prior.inverse_depth_sigma = 0.1;
+  prior.max_speed = 2.0;
+  TrackRecord record = initialised(1, 0, Label::kStatic, prior);
+  const double once = moved_px(record, camera, 0.1);
+  EXPECT_NEAR(once, 400.0 * 0.4 * 1.0 * 0.1, 1e-12);
+  ++record.unused_frames;
+  EXPECT_NEAR(moved_px(record, camera, 0.1), 2.0 * once, 1e-12);
+}
+
+}  // namespace
+}  // namespace slammot
