@@ -271,6 +271,8 @@ InForce FrameLoop::in_force() const {
   result.push_back({"gate given all others", "gate.given_others", asks_others, "",
                     asks_others ? refused_by_others_ : 0});
   manager_->in_force(result);
+  // A label of the first frame is undone by the loop: frames were processed again without it.
+  for (Mechanism& m : result) m.acted += m.key == "labels" && m.is_on ? anew_ : 0;
   const bool considers = policy_.movers == Movers::kConsidered;
   const bool is_asked = models_.policy.movers == Movers::kConsidered;
   result.push_back({"movers considered", "policy.movers", considers,

@@ -255,8 +255,9 @@ void LandmarkManager::in_force(InForce& result) const {
   result.push_back({"labels by posterior odds", "classifier", odds && can_move, odds ? at_rest : "",
                     odds ? answered_ : 0});
   const bool by_odds = labels.first_frame == FirstFrameLabels::kOdds;
-  result.push_back({"first frame's labels undone from the start", "labels.first_frame", by_odds, "",
-                    born_open_});
+  const bool may_undo = by_odds && reversible;
+  result.push_back({"first frame's labels undone from the start", "labels.first_frame", may_undo,
+                    by_odds && !reversible ? "labels=one_way" : "", may_undo ? born_open_ : 0});
   const bool condition = m.collapse == Collapse::kCondition;
   result.push_back({"rest used as a measurement", "collapse", condition && can_move,
                     condition ? at_rest : "", condition ? collapsed_ : 0});

@@ -57,6 +57,7 @@ struct Outcome {
   std::vector<double> numbers;
   InForce in_force;
   std::string refused;
+  bool diverged = false;
 };
 
 class InForcePairs : public testing::TestWithParam<std::string> {
@@ -78,6 +79,7 @@ class InForcePairs : public testing::TestWithParam<std::string> {
         add(camera.covariance);
       }
       outcome.in_force = *run.in_force;
+      outcome.diverged = static_cast<bool>(run.diverged);
     } catch (const std::invalid_argument& error) {
       outcome.refused = error.what();
     }
@@ -115,6 +117,8 @@ class InForcePairs : public testing::TestWithParam<std::string> {
     }
     Settings off = settings;
     off[option.key] = option.values.front();
+    // A run that has ended does not say what would have acted in its later frames.
+    if (outcome.diverged || run(off).diverged) return;
     const bool differs = run(off).numbers != outcome.numbers;
     const bool acted = !said.is_stated || (said.is_on && said.acted > 0);
     EXPECT_EQ(differs, acted) << (said.is_stated ? "stated" : "stated nowhere");
