@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace slammot {
 
@@ -12,6 +13,15 @@ constexpr int kInnovations = 10;       // the latest, in the test of a label
 constexpr double kProbability = 1e-4;  // of a right label being rejected in a frame
 constexpr int kMostUnseen = 5;         // frames, and a motion is forgotten
 constexpr double kBeyondDoubt = 1e4;   // posterior over prior odds of rest
+
+// How far a motion is from rest, in sigmas; and where it says nothing, how clearly innovations
+// reject the label. Motions of landmarks that were never measured are at rest but for rounding.
+using Evidence = std::pair<double, double>;
+Evidence evidence_of(const MotionBelief& motion, const TrackRecord& record) {
+  constexpr double kRounding = 1e-6;
+  const double distance = mahalanobis_from_zero(motion.w, motion.covariance);
+  return {distance > kRounding ? distance : 0.0, -log_tail(record)};
+}
 
 bool reversible(const LabelOptions& options) { return options.rule == LabelRule::kReversible; }
 
@@ -91,13 +101,13 @@ void find_undoing(const TrackRecords& records, std::span<const int> tracks,
                   Undoing& result) {
   result.free.clear();
   result.release.reset();
-  double most = 0.0;
+  Evidence most;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const int track = motions[i].track;
     if (!is_rejected(records.at(track)) && answers[i] != Label::kMoving) continue;
-    const double distance = mahalanobis_from_zero(motions[i].w, motions[i].covariance);
-    if (result.release && distance <= most) continue;
-    most = distance;
+    const Evidence evidence = evidence_of(motions[i], records.at(track));
+    if (result.release && evidence <= most) continue;
+    most = evidence;
     result.release = track;
   }
   for (const int track : tracks) {

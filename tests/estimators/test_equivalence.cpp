@@ -109,13 +109,26 @@ void compare_landmarks(const Estimator& ekf, const Estimator& window, Difference
   }
 }
 
+void expect_same_labels(const std::vector<LandmarkEstimate>& a,
+                        const std::vector<LandmarkEstimate>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a[i].track, b[i].track);
+    ASSERT_EQ(a[i].label, b[i].label) << a[i].track;
+  }
+}
+
 void compare(const Sequence& sequence, Estimator& ekf, Estimator& window, Difference& d,
              double rounding = 1.0) {
+  ekf.keep_predictions();
+  window.keep_predictions();
   NoStages stages;
   for (const Frame& frame : sequence.frames) {
     const FrameReport a = ekf.process(frame, stages), b = window.process(frame, stages);
     SCOPED_TRACE("frame " + std::to_string(frame.index));
     expect_same(a, b, rounding);
+    if (testing::Test::HasFatalFailure()) return;
+    expect_same_labels(ekf.landmarks_measured(frame.index), window.landmarks_measured(frame.index));
     if (testing::Test::HasFatalFailure()) return;
     d.negative += a.negative_inverse_depth;
     d.born += a.admitted;
@@ -166,12 +179,9 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
   models.adaptive_motion = GetParam().point != "xyz";
   models.collapse = GetParam().collapse == "drop" ? Collapse::kDrop : Collapse::kCondition;
   models.classifier.name = GetParam().classifier;
-  const auto ekf = make_ekf(setup, models, without_devices());
-  const auto window = make_window(setup, models, one_frame_and_step());
-  ekf->keep_predictions();
-  window->keep_predictions();
   Difference d;
-  compare(sequence, *ekf, *window, d);
+  compare(sequence, *make_ekf(setup, models, without_devices()),
+          *make_window(setup, models, one_frame_and_step()), d);
   // 1e-6 is asked for; what is seen is 1e-11 and better. Near rho = 0, where the wide depth prior
   // leads, a position's covariance goes with rho^-4 and magnifies rounding.
   const bool wide = GetParam().inverse_depth_sigma > 0.0;
