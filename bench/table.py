@@ -84,7 +84,7 @@ def rows(bench, speed_up, megabytes):
                b["rmse"] / b["rmse_converged"], "<=", 1.05)
     yield "circle, EKF: frames a second", ekf["frames_per_second"], ">=", 300
     yield "circle, window 10: frames a second", window["frames_per_second"], ">=", 60
-    for estimator in ("ekf", "ekf_deferred", "window"):
+    for estimator in ("ekf", "window"):
         base = bench[f"map_size/{estimator}/50"]["total"]
         for size in (100, 200, 500, 1000):
             b = bench[f"map_size/{estimator}/{size}"]

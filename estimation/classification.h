@@ -22,7 +22,6 @@ struct MotionBelief {
   MotionMatrix covariance;
   MotionVector prior_sigmas;   // of each number of w at first sight
   double density_scale = 1.0;  // density of v at rest = density_scale * density of w's first three
-  double prior_velocity_sigma = 1.0;  // at first sight [m/s]
 
   // Of the first three, which say the velocity.
   Eigen::Vector3d velocity_part() const { return w.head<3>(); }

@@ -1,6 +1,6 @@
 // The EKF of the thesis: joint covariance of camera and all landmarks, undelayed initialisation. A
 // belief of the frame loop (estimation/loop/frame_loop.h); the functions stand in the order of a
-// frame, here, in ekf.cpp and in the window's files alike.
+// frame. Those of the rows of landmarks are in landmarks.cpp.
 #pragma once
 
 #include "estimation/belief.h"

@@ -112,8 +112,8 @@ void GaugeError::weigh_scale(const JointState& state, Eigen::Ref<Eigen::VectorXd
   l /= sum;
 }
 
-// The error c of the heading is not changed by a correction, while our dtheta of the scale's errors
-// is that of the new orientation (JointState::correct).
+// Heading: P needs no right Jacobian, since the errors are written in c. Scale: as
+// JointState::correct.
 void GaugeError::correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx) {
   fill_weights(state);
   fill_directions(state, before_);

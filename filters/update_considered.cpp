@@ -34,7 +34,7 @@ void update_considered(JointState& state, Devices& devices, const Camera& camera
   JointCovariance::Block D = K * S * K.transpose();
   const auto N = devices.gauge ? devices.gauge->directions(landmark) : GaugeError::Directions();
   landmark.y += dx.head<3>();
-  if (landmark.is_free()) landmark.w += dx.tail(w.dim);
+  landmark.w += dx.tail(w.dim);
   if (devices.gauge) devices.gauge->moved_alone(landmark, N, C, D);
   state.covariance.subtract_alone({y, w}, C, D);
 }

@@ -41,6 +41,7 @@ void FrameLoop::start() {
   // A covariance at the truth must not depend on the estimate.
   noise_ = AdaptiveCameraNoise(setup_.camera_noise, models_.adaptive_motion && !truth_for_view_);
   timestamp_.reset();
+  widened_ = considered_frames_ = refused_by_others_ = 0;
 }
 
 FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
@@ -139,7 +140,7 @@ void FrameLoop::look_at_marginals(const CameraEstimate& before, double dt) {
   if (manager_->watches_innovations()) {
     belief_->leave_one_out(given_others_);
     manager_->note_innovations(given_others_);
-    manager_->note_innovations(rejected_);
+    manager_->note_innovations(explained_by_motion_);
   }
   manager_->look_at_depths(accepted_, *belief_);
 }
@@ -158,108 +159,6 @@ double FrameLoop::time_since_last(const Frame& frame) {
   return dt;
 }
 
-void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
-  measured_.clear();
-  for (const Observation& z : frame.observations) {
-    if (manager_->knows(z.track)) measured_.push_back(z);
-  }
-  belief_->innovations(measured_, innovation_);
-  gate_.sort(innovation_);
-  // What has entered at this frame's camera would not move with it.
-  if (noise_.adapts() && dt > 0.0) follow_jolt(report.admitted == 0);
-  sort_by_gate(dt, report);
-}
-
-void FrameLoop::sort_by_gate(double dt, FrameReport& report) {
-  in_view_.clear();
-  accepted_.clear();
-  rejected_.clear();
-  unused_.clear();
-  for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
-    const Observation& z = innovation_.z[i];
-    in_view_.push_back(z);
-    if (gate_.accepts(i)) {
-      accepted_.push_back(z);
-      report.accepted_static += manager_->records().at(z.track).label == Label::kStatic ? 1 : 0;
-      report.nis_sum += gate_.nis(i);
-      continue;
-    }
-    unused_.push_back(z.track);
-    refused_by_others_ += gate_.accepts_alone(i) ? 1 : 0;
-    const double moved = moved_px(manager_->records().at(z.track), setup_.camera, dt);
-    if (!gate_.accepts_moved(innovation_, i, moved)) continue;
-    rejected_.push_back(
-        {z.track, gate_.accepts_alone(i) ? gate_.nis_given_others(i) : gate_.nis(i)});
-  }
-  report.joint_nis = gate_.joint_nis();
-  report.accepted = static_cast<int>(accepted_.size());
-  report.rejected = static_cast<int>(unused_.size());
-  report.out_of_view = static_cast<int>(measured_.size() - in_view_.size());
-  std::ranges::set_difference(measured_, in_view_, std::back_inserter(not_in_view_), {},
-                              &Observation::track, &Observation::track);
-  for (const Observation& z : not_in_view_) unused_.push_back(z.track);
-  not_in_view_.clear();
-}
-
-// The camera's step may have been noisier than was predicted (camera_noise.h).
-void FrameLoop::follow_jolt(bool may_widen) {
-  const Agreement predicted = agreement();
-  const double factor = AdaptiveCameraNoise::jolt(predicted.median_nis);
-  bool most_agree = predicted.most_agree;
-  if (factor > 1.0 && may_widen) {
-    scale_step(factor);
-    most_agree = agreement().most_agree;
-    if (!most_agree) scale_step(1.0 / factor);
-    widened_ += most_agree ? 1 : 0;
-  }
-  if (most_agree) noise_.note(predicted.median_nis);
-}
-
-void FrameLoop::scale_step(double factor) {
-  belief_->widen(factor);
-  belief_->innovations(measured_, innovation_);
-  gate_.sort(innovation_);
-}
-
-FrameLoop::Agreement FrameLoop::agreement() {
-  nis_.clear();
-  nis_of_agreed_.clear();
-  for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
-    if (manager_->records().at(innovation_.z[i].track).label != Label::kStatic) continue;
-    nis_.push_back(gate_.nis(i));
-    if (gate_.agrees(i)) nis_of_agreed_.push_back(gate_.nis(i));
-  }
-  if (nis_.size() < kQuorum) return {};
-  const std::size_t agreed = nis_of_agreed_.size();
-  const bool most_agree = agreed >= kQuorum && 2 * agreed > nis_.size();
-  std::vector<double>& of = most_agree ? nis_of_agreed_ : nis_;
-  const auto middle = of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2);
-  std::ranges::nth_element(of, middle);
-  return {most_agree, *middle};
-}
-
-// Of what was measured as the gate had them, of the rest those in the image.
-void FrameLoop::note_predictions(FrameReport& report) {
-  for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
-    const Observation& z = innovation_.z[i];
-    report.predictions.push_back({z.track, z.pixel - innovation_.nu[i], gate_.S(i),
-                                  gate_.accepts(i) ? Measured::kAccepted : Measured::kRejected});
-  }
-  std::vector<int> others;
-  for (const auto& [track, record] : manager_->records()) {
-    if (!std::ranges::binary_search(measured_, track, {}, &Observation::track)) {
-      others.push_back(track);
-    }
-  }
-  std::vector<Prediction> expected;
-  belief_->predict_pixels(others, expected);
-  for (Prediction& p : expected) p.S.diagonal().array() += setup_.pixel_sigma * setup_.pixel_sigma;
-  std::ranges::copy_if(expected, std::back_inserter(report.predictions),
-                       [&](const Prediction& p) { return setup_.camera.in_image(p.pixel); });
-  std::erase_if(report.predictions, [](const Prediction& p) { return !p.S.allFinite(); });
-  std::ranges::sort(report.predictions, {}, &Prediction::track);
-}
-
 // The shared mechanisms, then the family's own.
 InForce FrameLoop::in_force() const {
   InForce result;
@@ -271,8 +170,6 @@ InForce FrameLoop::in_force() const {
   result.push_back({"gate given all others", "gate.given_others", asks_others, "",
                     asks_others ? refused_by_others_ : 0});
   manager_->in_force(result);
-  // A label of the first frame is undone by the loop: frames were processed again without it.
-  for (Mechanism& m : result) m.acted += m.key == "labels" && m.is_on ? anew_ : 0;
   const bool considers = policy_.movers == Movers::kConsidered;
   const bool is_asked = models_.policy.movers == Movers::kConsidered;
   result.push_back({"movers considered", "policy.movers", considers,

@@ -1,8 +1,9 @@
 // One frame of the thesis's algorithm (chapters 2 and 3), the same for every estimator family: a
 // difference in the result is a difference between beliefs.
 //
-// Stages, as a StageListener hears them: predict (a smoother adds marginalise), gate, update,
-// marginals, classify, collapse, manage; after the gate, predictions, where they are kept.
+// Stages, as a StageListener hears them: predict, gate, update (a smoother
+// marginalises first), marginals, classify, collapse, manage; after the gate, predictions, where
+// they are kept.
 #pragma once
 
 #include <functional>
@@ -79,16 +80,17 @@ class FrameLoop final : public Estimator {
   std::optional<double> timestamp_;
   std::optional<int> undone_from_the_start_;  // a track of the first frame, by the newest frame
 
-  // Of the whole run.
-  int anew_ = 0;  // frames processed again
+  int anew_ = 0;  // frames processed again, in the whole run
+  // How often mechanisms have acted, since the run started over.
   long widened_ = 0, considered_frames_ = 0, refused_by_others_ = 0;
 
   // Of the frame in hand; kept for their memory.
   std::vector<Observation> measured_, in_view_, not_in_view_, accepted_;
   std::vector<int> considered_;
   FrameInnovation innovation_;
-  std::vector<LeaveOneOut> rejected_, given_others_;  // rejected ones that a motion explains
-  std::vector<int> unused_;                           // tracks: rejected, or not expected in view
+  std::vector<LeaveOneOut> explained_by_motion_;  // rejected, but would pass had they moved
+  std::vector<LeaveOneOut> given_others_;
+  std::vector<int> unused_;  // tracks: rejected, or not expected in view
   std::vector<LandmarkPoint> points_;
   std::vector<double> nis_, nis_of_agreed_;  // of static landmarks
 };

@@ -145,7 +145,7 @@ std::optional<int> LandmarkManager::apply(const Undoing& undoing, Belief& belief
   std::optional<int> from_the_start;
   for (const int track : undoing.free) {
     TrackRecord& record = records_.at(track);
-    if (!first_.holds(record)) {
+    if (!first_.undoes_from_the_start(record)) {
       note_reverted(record);
       belief.free(track, record.prior);
       ++undone_;
@@ -155,7 +155,7 @@ std::optional<int> LandmarkManager::apply(const Undoing& undoing, Belief& belief
   }
   if (!undoing.release) return from_the_start;
   TrackRecord& record = records_.at(*undoing.release);
-  if (first_.holds(record)) return undoing.release;
+  if (first_.undoes_from_the_start(record)) return undoing.release;
   note_reverted(record);
   belief.release(record.track, record.prior);
   ++released_;
@@ -165,9 +165,7 @@ std::optional<int> LandmarkManager::apply(const Undoing& undoing, Belief& belief
 // With what the classifier asks besides.
 void LandmarkManager::complete_motions() {
   for (MotionBelief& motion : motions_) {
-    const LandmarkPrior& prior = records_.at(motion.track).prior;
-    motion.prior_sigmas = functions_.prior_sigmas(prior);
-    motion.prior_velocity_sigma = prior.velocity_sigma();
+    motion.prior_sigmas = functions_.prior_sigmas(records_.at(motion.track).prior);
   }
 }
 
@@ -233,14 +231,13 @@ void LandmarkManager::initialise_new(const Frame& frame, Belief& belief, FrameRe
     if (records_.size() >= most) break;
     TrackRecord record = record_at_birth(z.track, frame.index, prior);
     // A label that may be undone from the start: its motion is remembered from the start.
-    const bool may_be_undone = first_.holds(record);
-    const bool remembers = may_be_undone && memory_ > 0;
-    born_open_ += may_be_undone ? 1 : 0;
+    const bool remembers = first_.undoes_from_the_start(record) && memory_ > 0;
     if (!belief.add(z, prior, record.label != Label::kStatic || remembers)) continue;
     if (remembers) tracks_.push_back(z.track);
     records_[z.track] = std::move(record);
     ++report.admitted;
   }
+  remembered_at_birth_ += std::ssize(tracks_);
   collapse(tracks_, belief);
 }
 
@@ -256,12 +253,16 @@ void LandmarkManager::in_force(InForce& result) const {
                     odds ? answered_ : 0});
   const bool by_odds = labels.first_frame == FirstFrameLabels::kOdds;
   const bool may_undo = by_odds && reversible;
+  const std::string one_way = by_odds && !reversible ? "labels=one_way" : "";
   result.push_back({"first frame's labels undone from the start", "labels.first_frame", may_undo,
-                    by_odds && !reversible ? "labels=one_way" : "", may_undo ? born_open_ : 0});
+                    one_way, first_.dropped()});
+  result.push_back({"first frame's motions remembered", "labels.first_frame",
+                    may_undo && memory_ > 0, one_way, remembered_at_birth_});
   const bool condition = m.collapse == Collapse::kCondition;
   result.push_back({"rest used as a measurement", "collapse", condition && can_move,
                     condition ? at_rest : "", condition ? collapsed_ : 0});
-  result.push_back({"labels undone by innovations", "labels", reversible, "", undone_});
+  result.push_back(
+      {"labels undone", "labels", reversible, "", undone_ + released_ + first_.dropped()});
   const bool remembers = labels.memory > 0;
   result.push_back({"labels undone by a remembered motion", "labels.memory", memory_ > 0,
                     remembers ? no_memory : "", released_});

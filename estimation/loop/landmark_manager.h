@@ -4,7 +4,6 @@
 #pragma once
 
 #include <memory>
-#include <set>
 
 #include "estimation/belief.h"
 #include "estimation/modules/first_frame.h"
@@ -65,7 +64,8 @@ class LandmarkManager {
   std::optional<int> first_frame_;
   TrackRecords records_;
   int memory_;  // frames for which the motion of a static landmark is remembered
-  long undone_ = 0, released_ = 0, answered_ = 0, collapsed_ = 0, learnt_ = 0, born_open_ = 0;
+  long undone_ = 0, released_ = 0, answered_ = 0, collapsed_ = 0, learnt_ = 0,
+       remembered_at_birth_ = 0;
 
   // Of the frame in hand; kept for their memory.
   std::vector<int> tracks_, now_static_;

@@ -30,12 +30,13 @@ class FirstFrame {
   bool is_rule() const { return options_.first_frame == FirstFrameLabels::kStatic; }
 
   // Whether undoing this label means to process the frames again without it.
-  bool holds(const TrackRecord& record) const;
+  bool undoes_from_the_start(const TrackRecord& record) const;
 
   // Before each frame.
   void begin(const Frame& frame);
   // The landmark of this track is not static from the start.
   void drop(int track) { not_static_.insert(track); }
+  long dropped() const { return std::ssize(not_static_); }
   // The labels stand from now on, and are undone as later ones are.
   void close();
   bool is_open() const { return is_open_; }
@@ -45,7 +46,7 @@ class FirstFrame {
  private:
   LabelOptions options_;
   bool is_open_;
-  bool is_asked_ = false;  // else the classifier gave all labels
+  std::set<int> asked_;  // tracks; of the others the classifier gave the label
   std::set<int> not_static_;
   std::vector<Frame> frames_;
 };

@@ -10,7 +10,9 @@ namespace {
 
 struct Gone {
   std::string_view was;  // KEY, or KEY=VALUE
-  std::string_view use;
+  std::string_view use;  // what to write, or after "nothing: " why there is nothing
+
+  bool is_replaced() const { return !use.starts_with("nothing"); }
 };
 
 constexpr Gone kGone[] = {
@@ -49,7 +51,8 @@ void refuse_gone(const Assignment& assignment) {
   const std::string setting = assignment.key + "=" + assignment.value;
   for (const Gone& gone : kGone) {
     if (assignment.key != gone.was && setting != gone.was) continue;
-    throw std::invalid_argument(fmt::format("'{}' is gone: use {}", gone.was, gone.use));
+    throw std::invalid_argument(
+        fmt::format("'{}' is gone: {}{}", gone.was, gone.is_replaced() ? "use " : "", gone.use));
   }
 }
 

@@ -9,6 +9,8 @@
 namespace slammot {
 namespace {
 
+constexpr const char *kOn = "on", *kOff = "off";
+
 bool is_without_effect(const Mechanism& m) { return !m.is_on && !m.because.empty(); }
 
 // The names of all runs' mechanisms, each once, in their order.
@@ -30,6 +32,28 @@ std::string cell(const InForce& in_force, const std::string& name) {
 }
 
 }  // namespace
+
+Json json_of(const InForce& in_force) {
+  Json json = Json::array();
+  for (const Mechanism& m : in_force) {
+    json.push_back({{"name", m.name},
+                    {"key", m.key},
+                    {"state", m.is_on ? kOn : kOff},
+                    {"because", m.because},
+                    {"acted", m.acted}});
+  }
+  return json;
+}
+
+InForce in_force_of(const Json& json) {
+  InForce in_force;
+  for (const Json& m : json) {
+    const auto text = [&](const char* key) { return printable(m.at(key).get<std::string>()); };
+    in_force.push_back({text("name"), text("key"), text("state") == kOn, text("because"),
+                        count_of(m.at("acted"))});
+  }
+  return in_force;
+}
 
 std::string in_force_table(const std::vector<NamedMetrics>& results) {
   const std::vector<std::string> names = names_of(results);

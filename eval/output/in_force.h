@@ -9,6 +9,10 @@
 
 namespace slammot {
 
+// As metrics.json has it, and back; throws a Json::exception for anything else.
+Json json_of(const InForce& in_force);
+InForce in_force_of(const Json& json);
+
 // A row per mechanism, a column per run that states any; empty where none does.
 std::string in_force_table(const std::vector<NamedMetrics>& results);
 

@@ -1,4 +1,5 @@
 #include "eval/output/metrics_json.h"
+#include "eval/output/in_force.h"
 
 #include <algorithm>
 #include <cmath>
@@ -166,34 +167,6 @@ std::vector<RunWarning> warnings_of(const Json& json) {
         {frame.is_null() ? std::nullopt : std::optional(count_of(frame)), reason_of(w)});
   }
   return warnings;
-}
-
-namespace {
-
-constexpr const char *kOn = "on", *kOff = "off";
-
-}  // namespace
-
-Json json_of(const InForce& in_force) {
-  Json json = Json::array();
-  for (const Mechanism& m : in_force) {
-    json.push_back({{"name", m.name},
-                    {"key", m.key},
-                    {"state", m.is_on ? kOn : kOff},
-                    {"because", m.because},
-                    {"acted", m.acted}});
-  }
-  return json;
-}
-
-InForce in_force_of(const Json& json) {
-  InForce in_force;
-  for (const Json& m : json) {
-    const auto text = [&](const char* key) { return printable(m.at(key).get<std::string>()); };
-    in_force.push_back({text("name"), text("key"), text("state") == kOn, text("because"),
-                        count_of(m.at("acted"))});
-  }
-  return in_force;
 }
 
 Json metrics_json(const RunMetrics& m) {

@@ -26,8 +26,6 @@ Json json_of(const std::optional<Divergence>& divergence);  // null: none
 std::optional<Divergence> divergence_of(const Json& json);
 Json json_of(const std::vector<RunWarning>& warnings);
 std::vector<RunWarning> warnings_of(const Json& json);
-Json json_of(const InForce& in_force);
-InForce in_force_of(const Json& json);
 
 // The values of the metrics for which `wanted` holds, by their keys.
 Json values_json(const std::vector<MetricValue>& values,

@@ -8,6 +8,7 @@
 #include "datasets/output/output_files.h"
 #include "eval/configuration/preset.h"
 #include "eval/configuration/registry.h"
+#include "eval/output/in_force.h"
 #include "eval/output/metrics_json.h"
 #include "eval/output/run_files.h"
 

@@ -9,6 +9,7 @@
 
 #include "datasets/text/input_error.h"
 #include "eval/configuration/setup.h"
+#include "eval/output/in_force.h"
 #include "eval/output/metrics_json.h"
 #include "eval/pooling/frame_statistics.h"
 #include "eval/statistics/bootstrap.h"

@@ -83,8 +83,6 @@ struct JointState {
   Eigen::MatrixXd marginal(const FilterLandmark& landmark) const;
   Eigen::MatrixXd marginal(std::span<const StateBlock> blocks) const;
 
-  FilterPose pose() const { return {camera.position, camera.orientation, kPose}; }
-
   // This clone becomes a copy of the camera's pose.
   void clone_pose(FilterPose& clone);
 

@@ -107,7 +107,6 @@ void Graph::condition_on_rest(LandmarkId id) {
 }
 
 void Graph::constrain_to_rest(LandmarkId id, double rest_time) {
-  consider(id, false);
   GraphLandmark& l = (*this)[id];
   Variable& w = variables[l.w];
   w.value.setZero();

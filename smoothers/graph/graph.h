@@ -175,6 +175,7 @@ class Graph {
   void try_step(const GraphPixel& pixel, const GraphLandmark& landmark, const Eigen::Vector3d& y,
                 const LandmarkVector& dx, StepOutcome& outcome) const;
   void retract(GraphLandmark& landmark);
+  void turn_jacobians();
 
   GraphModels models_;
   bool fixed_points_;

@@ -207,7 +207,11 @@ void Graph::retract() {
     v.value = plus(v.is_orientation, v.value, v.step);
     if (v.is_orientation && !fixed_points_) v.turn = transport(v.value, before);
   });
-  if (fixed_points_) return;
+  if (!fixed_points_) turn_jacobians();
+}
+
+// Jacobians are then of the tangent space at the new orientations.
+void Graph::turn_jacobians() {
   const auto turn = [&](auto&& J, const GraphCamera& c) {
     auto rotation = J.template middleCols<3>(kRotation);
     rotation = (rotation * variables[c.orientation].turn).eval();

@@ -39,8 +39,15 @@ void LocalElimination::follow_chain(const Graph& graph, const GraphLandmark& l) 
 // Columns: the noises, w and y at x_d, then what else the rows touch. Those that are eliminated
 // come first; `segments_` lists the others.
 void LocalElimination::lay_out(const Graph& graph, const GraphLandmark& l, VariableId oldest) {
+  const int own = place_own(graph, l);
+  const int columns = place_touched(graph, l, oldest, own);
+  A_.resize(count_rows(l, oldest), columns + 1);
+  (*A_).setZero();
+}
+
+// Returns the next column.
+int LocalElimination::place_own(const Graph& graph, const GraphLandmark& l) {
   segments_.clear();
-  const Variable& y = graph.variables[l.y];
   int column = noises_;
   eliminated_ = substitutes_ ? noises_ - dim_ : noises_;
   if (substitutes_) segments_.push_back({-1, eliminated_, dim_});
@@ -59,8 +66,14 @@ void LocalElimination::lay_out(const Graph& graph, const GraphLandmark& l, Varia
     w_column_ = place(l.w, graph.variables[l.w].is_private && !substitutes_,
                       departure_.forgets_w || departure_.leaves);
   }
-  y_column_ = place(l.y, y.is_private, departure_.leaves);
+  y_column_ = place(l.y, graph.variables[l.y].is_private, departure_.leaves);
   constrained_column_ = l.constrained ? place(l.constrained->w, false, false) : -1;
+  return column;
+}
+
+// Of pixels and birth, from this column on. Returns the next.
+int LocalElimination::place_touched(const Graph& graph, const GraphLandmark& l, VariableId oldest,
+                                    int column) {
   const auto touch = [&](VariableId id) {
     const int dim = graph.variables[id].dim();
     if (std::ranges::find(segments_, id, &Segment::variable) != segments_.end()) return;
@@ -75,17 +88,19 @@ void LocalElimination::lay_out(const Graph& graph, const GraphLandmark& l, Varia
     }
     touch(pixel.orientation);
   }
-  if (takes_birth(l, oldest)) {
-    if (l.birth.kind == BirthPrior::Kind::kKnown) touch(l.anchor);
-    if (l.birth.kind == BirthPrior::Kind::kSharedDepth) touch(l.birth.scene);
-  }
+  if (!takes_birth(l, oldest)) return column;
+  if (l.birth.kind == BirthPrior::Kind::kKnown) touch(l.anchor);
+  if (l.birth.kind == BirthPrior::Kind::kSharedDepth) touch(l.birth.scene);
+  return column;
+}
+
+Eigen::Index LocalElimination::count_rows(const GraphLandmark& l, VariableId oldest) const {
   Eigen::Index rows = noises_;
   for (const GraphPixel& pixel : l.pixels) rows += departure_.takes(pixel, oldest) ? 2 : 0;
   if (takes_birth(l, oldest)) rows += l.birth.rows();
   if (departure_.absorbs_prior_of_w) rows += l.w_sigmas.size();
   if (l.constrained) rows += l.constrained->sigmas.size();
-  A_.resize(rows, column + 1);
-  (*A_).setZero();
+  return rows;
 }
 
 // Rows that have this coefficient of x after `depth` steps: carried back to x_0 by the F of their

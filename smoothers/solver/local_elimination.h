@@ -56,6 +56,9 @@ class LocalElimination {
 
  private:
   void lay_out(const Graph& graph, const GraphLandmark& landmark, VariableId oldest);
+  int place_own(const Graph& graph, const GraphLandmark& l);
+  int place_touched(const Graph& graph, const GraphLandmark& l, VariableId oldest, int column);
+  Eigen::Index count_rows(const GraphLandmark& l, VariableId oldest) const;
   void fill(const Graph& graph, const GraphLandmark& landmark, VariableId oldest);
   void fill_on_state(Eigen::Index row, Eigen::Index rows, int depth, LandmarkMatrix coefficient,
                      const GraphLandmark& landmark);

@@ -36,6 +36,9 @@ class Marginaliser {
   void fill_prior(const Graph& graph, Eigen::Index first);
   void remove(Graph& graph, const Leaving& leaving);
   void update_map(Graph& graph, const Leaving& leaving, const Triangularise::Staircase& rows);
+  std::vector<int> changed_columns(const Graph& graph, const Leaving& leaving) const;
+  static void move_on(const Graph& graph, const LocalElimination& local,
+                      const std::vector<int>& changed, Eigen::MatrixXd& T);
   void update_landmark(Graph& graph, const LocalElimination& local, const Leaving& leaving);
   void take(Variable& variable);
   void find_going(const Graph& graph, const Leaving& leaving);

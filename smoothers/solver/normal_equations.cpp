@@ -197,6 +197,8 @@ void NormalEquations::solve(Graph& graph) const {
   for (std::size_t id = 0; id < graph.landmarks.size(); ++id) {
     GraphLandmark& landmark = graph.landmarks[id];
     if (graph.is_in_core(landmark)) blocks_[id].step(core_, graph, landmark);
+    if (!landmark.is_considered) continue;
+    for (ChainStep& step : landmark.chain) step.step.setZero(step.noise.size());
   }
 }
 

@@ -27,8 +27,8 @@ void halve_step(Graph& graph) {
 // With fixed points the solution of the equations is not quite the minimum of the cost: on the way
 // there it may rise by what would not be worth a step. Nor need a part of the step lower it.
 std::optional<Optimiser::Step> Optimiser::find_step(Graph& graph, const GraphCamera& camera,
-                                                    double before, double tolerance, bool is_last,
-                                                    double& damping) {
+                                                    double before, double tolerance,
+                                                    bool may_not_retry, double& damping) {
   const int halvings = graph.fixed_points() ? 0 : kHalvings;
   const auto raises_cost = [&](const StepOutcome& outcome) {
     const double rise = graph.fixed_points() ? outcome.cost_of(tolerance) : kRounding;
@@ -41,7 +41,7 @@ std::optional<Optimiser::Step> Optimiser::find_step(Graph& graph, const GraphCam
     const bool is_limited = graph.limit_step();
     Step step{graph.try_step(), is_limited || damping > 0.0};
     if (!raises_cost(step.outcome)) return step;
-    if (is_last) break;
+    if (may_not_retry) break;
     for (int k = 0; k < halvings; ++k) {
       halve_step(graph);
       step = {graph.try_step(), true};
@@ -130,7 +130,7 @@ void Optimiser::solve_alone(Graph& graph, LandmarkId id, int iterations, double 
   double damping = 0.0;
   for (int i = 0; i < iterations; ++i) {
     const double before = 0.5 * graph.linearise(graph[id]) + graph.own_cost(id);
-    const auto step = find_own_step(graph, id, before, damping);
+    const auto step = find_own_step(graph, id, before, tolerance, damping);
     if (!step) return;
     const bool is_enough = is_last(graph, *step, before, damping, tolerance);
     graph.take_own_step(id);
@@ -141,12 +141,12 @@ void Optimiser::solve_alone(Graph& graph, LandmarkId id, int iterations, double 
 
 // As find_step().
 std::optional<Optimiser::Step> Optimiser::find_own_step(Graph& graph, LandmarkId id, double before,
-                                                        double& damping) {
+                                                        double tolerance, double& damping) {
   for (int i = 0; i <= kTries; ++i) {
     equations_.solve_alone(graph, id, damping);
     const bool is_limited = graph.limit_step();
     Step step{graph.try_own_step(id), is_limited || damping > 0.0};
-    const double rise = graph.fixed_points() ? step.outcome.cost_of(0.01) : kRounding;
+    const double rise = graph.fixed_points() ? step.outcome.cost_of(tolerance) : kRounding;
     if (rule_ == StepRule::kEvery || step.outcome.cost() <= before + rise) return step;
     damping = std::max(kFirstDamping, kDampingFactor * damping);
   }

@@ -34,7 +34,6 @@ void OwnMarginal::take(const Graph& graph, LandmarkId id,
 
 void OwnMarginal::find_own(const Graph& graph, const LocalElimination* local) {
   own_.clear();
-  forgotten_.clear();
   const GraphLandmark& l = graph[id_];
   dim_ = 0;
   before_ = local ? local->noise_dim() : 0;

@@ -41,9 +41,8 @@ class OwnMarginal {
 
   LandmarkId id_ = 0;
   std::vector<VariableId> own_;
-  std::vector<VariableId> forgotten_;  // w, when it is static from then on
-  int dim_ = 0, before_ = 0;           // columns of o, and of what stands before it
-  int gone_ = 0, core_ = 0;            // columns of the core that leave, and all
+  int dim_ = 0, before_ = 0;  // columns of o, and of what stands before it
+  int gone_ = 0, core_ = 0;   // columns of the core that leave, and all
   GrowingMatrix A_, B_, result_;
   std::vector<int> starts_;
   Triangularise triangularise_;

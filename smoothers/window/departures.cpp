@@ -72,25 +72,32 @@ void Departures::find(const WindowFrame* oldest, TrackHistories* histories) {
 void Departures::add(const WindowLandmark& landmark, const WindowFrame* oldest, bool is_pruned) {
   const GraphLandmark& l = graph_[landmark.id];
   if (is_inactive(l.y)) return;
-  Departure d;
-  d.landmark = landmark.id;
-  const bool is_based = oldest && landmark.base == oldest->camera.position;
-  if (landmark.drops) {
-    d.steps = l.steps();
-    d.all_rows = d.steps > 0;
-    d.absorbs_prior_of_w = d.forgets_w = true;
-  } else if (landmark.is_free && is_based && l.steps() > 0) {
-    d.steps = 1;
-    d.absorbs_prior_of_w = true;
-  }
-  if (is_pruned && is_based && (!landmark.is_free || l.steps() == 0)) {
-    d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
-  }
+  const Departure d = departure_of(landmark, oldest, is_pruned);
   const VariableId position = oldest ? oldest->camera.position : -1;
   const bool is_measured = std::ranges::any_of(
       l.pixels, [&](const GraphPixel& pixel) { return pixel.position == position; });
   const bool is_born = l.anchor == position && l.birth.rows() > 0;
   if (is_measured || is_born || d.absorbs_prior_of_w) leaving_.departures.push_back(d);
+}
+
+Departure Departures::departure_of(const WindowLandmark& landmark, const WindowFrame* oldest,
+                                   bool is_pruned) const {
+  const int steps = graph_[landmark.id].steps();
+  const bool is_based = oldest && landmark.base == oldest->camera.position;
+  Departure d;
+  d.landmark = landmark.id;
+  if (landmark.drops) {
+    d.steps = steps;
+    d.all_rows = steps > 0;
+    d.absorbs_prior_of_w = d.forgets_w = true;
+  } else if (landmark.is_free && is_based && steps > 0) {
+    d.steps = 1;
+    d.absorbs_prior_of_w = true;
+  }
+  if (is_pruned && is_based && (!landmark.is_free || steps == 0)) {
+    d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
+  }
+  return d;
 }
 
 bool Departures::leaves(const WindowLandmark& landmark) const {

@@ -40,6 +40,8 @@ class Departures {
 
   void find(const WindowFrame* oldest, TrackHistories* histories);
   void add(const WindowLandmark& landmark, const WindowFrame* oldest, bool is_pruned);
+  Departure departure_of(const WindowLandmark& landmark, const WindowFrame* oldest,
+                         bool is_pruned) const;
   void find_inactive(const WindowFrame& oldest);
   void mark_anchors(const WindowFrame& oldest);
   void use(VariableId anchor, Use how);

@@ -96,8 +96,11 @@ void Window::update(std::span<const Observation> accepted, std::span<const int> 
   stages.begin("update");
   add_pixels(accepted, considered);
   refresh_noises();
-  solve();
+  const int steps = solve();
   for (int i = 0; i < kMostPoles && leave_out_poles(); ++i) solve();
+  relinearised_ += steps > 1 ? 1 : 0;
+  ++updated_;
+  held_points_ += graph_.fixed_points() && graph_.prior().active.cols() > 0 ? 1 : 0;
   for (auto& [track, landmark] : landmarks_.known) landmark.is_entering = false;
   camera_ = marginals_.camera();
 }
@@ -123,10 +126,10 @@ void Window::consider(const WindowLandmark& landmark, bool is_considered) {
   graph_.consider(landmark.id, is_considered);
 }
 
-void Window::solve() {
-  if (minimise() > 1) ++relinearised_;
-  ++solved_;
+int Window::solve() {
+  const int steps = minimise();
   marginals_.start();
+  return steps;
 }
 
 // At the optimum of Ceres the equations are factorised for the marginals, and the step that they
@@ -311,14 +314,13 @@ void Window::in_force(InForce& result) const {
   const bool iterates = options_.iterations > 1 && !uses_ceres;
   state("relinearisation", "window.iterations", iterates, uses_ceres ? "window.solver=ceres" : "",
         relinearised_);
-  state("relinearisation by Ceres", "window.solver", uses_ceres, "", solved_);
-  state("first estimates", "window.linearisation", graph_.fixed_points(), "",
-        graph_.prior().active.cols() > 0 ? solved_ : 0);
+  state("relinearisation by Ceres", "window.solver", uses_ceres, "", updated_);
+  state("first estimates", "window.linearisation", graph_.fixed_points(), "", held_points_);
   const char* because = !setup_.prior.spread_follows_mean ? ""
                         : uses_ceres                      ? "window.solver=ceres"
                                                           : "landmarks known beforehand";
   state("scale kept by the camera noise (noise_scale.h)", "prior.spread",
-        !graph_.models().noise_tells_scale, because, solved_);
+        !graph_.models().noise_tells_scale, because, updated_);
 }
 
 int Window::state_size() const {

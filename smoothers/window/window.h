@@ -81,8 +81,8 @@ class Window final : public Belief {
   WindowLandmark& insert(int track, VariableId anchor, const Eigen::Vector3d& y);
   void add_pixels(std::span<const Observation> accepted, std::span<const int> considered);
   void consider(const WindowLandmark& landmark, bool is_considered);
-  void solve();
-  int minimise();          // the number of steps
+  int solve();             // the number of steps
+  int minimise();          // likewise
   bool leave_out_poles();  // whether there were any
   void take_step();
   void refactorise();
@@ -105,7 +105,7 @@ class Window final : public Belief {
   std::vector<MotionNoise> noises_;
   std::vector<int> measured_, used_;  // of the frame in hand
   ConditionalMap::Values inactive_values_;
-  long relinearised_ = 0, solved_ = 0;  // frames
+  long relinearised_ = 0, updated_ = 0, held_points_ = 0;  // frames
 };
 
 // Throws std::invalid_argument for an unknown landmark model or classifier; process() throws it at

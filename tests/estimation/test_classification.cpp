@@ -125,7 +125,6 @@ TEST(Odds, HaveNoUnit) {
       in_unit.w *= unit;
       in_unit.covariance *= unit * unit;
       in_unit.prior_sigmas *= unit;
-      in_unit.prior_velocity_sigma *= unit;
       EXPECT_EQ(decide(odds(), in_unit), label) << unit;
     }
     b.w *= 0.2;

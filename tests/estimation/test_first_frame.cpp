@@ -30,7 +30,7 @@ TEST(FirstFrame, IsStaticByRuleOrUnknown) {
   }
   EXPECT_EQ(rule.label(1), Label::kStatic);
   EXPECT_TRUE(rule.is_rule());
-  EXPECT_FALSE(rule.holds(record(1, Label::kStatic)));
+  EXPECT_FALSE(rule.undoes_from_the_start(record(1, Label::kStatic)));
   EXPECT_EQ(unknown.label(1), Label::kUnknown);
   EXPECT_FALSE(unknown.is_rule());
 }
@@ -41,25 +41,26 @@ TEST(FirstFrame, OfOddsIsStaticAtOnceButForWhatIsDropped) {
   EXPECT_FALSE(first.is_rule());
   for (const int track : {1, 2}) {
     EXPECT_EQ(first.label(track), Label::kStatic);
-    EXPECT_TRUE(first.holds(record(track, Label::kStatic)));
+    EXPECT_TRUE(first.undoes_from_the_start(record(track, Label::kStatic)));
   }
   first.drop(2);
   EXPECT_EQ(first.label(1), Label::kStatic);
   EXPECT_EQ(first.label(2), Label::kUnknown);
-  EXPECT_TRUE(first.holds(record(1, Label::kStatic)));
-  EXPECT_FALSE(first.holds(record(2, Label::kStatic)));  // the classifier's label from now on
+  EXPECT_TRUE(first.undoes_from_the_start(record(1, Label::kStatic)));
+  EXPECT_FALSE(first.undoes_from_the_start(
+      record(2, Label::kStatic)));  // the classifier's label from now on
 }
 
 TEST(FirstFrame, HoldsStaticLandmarksOfThatFrameThatWereNotKnown) {
   FirstFrame first = with(FirstFrameLabels::kOdds);
   first.begin(frame(kFirst));
   first.label(1);
-  EXPECT_FALSE(first.holds(record(1, Label::kUnknown)));
-  EXPECT_FALSE(first.holds(record(1, Label::kMoving)));
-  EXPECT_FALSE(first.holds(record(1, Label::kStatic, kFirst + 1)));
+  EXPECT_FALSE(first.undoes_from_the_start(record(1, Label::kUnknown)));
+  EXPECT_FALSE(first.undoes_from_the_start(record(1, Label::kMoving)));
+  EXPECT_FALSE(first.undoes_from_the_start(record(1, Label::kStatic, kFirst + 1)));
   TrackRecord known = record(1, Label::kStatic);
   known.known = true;
-  EXPECT_FALSE(first.holds(known));
+  EXPECT_FALSE(first.undoes_from_the_start(known));
 }
 
 TEST(FirstFrame, LabelsStandAfterTheStart) {
@@ -69,12 +70,12 @@ TEST(FirstFrame, LabelsStandAfterTheStart) {
     first.label(1);
     ASSERT_EQ(std::ssize(first.frames()), i + 1);
     EXPECT_EQ(first.frames().back().index, kFirst + i);
-    EXPECT_TRUE(first.holds(record(1, Label::kStatic)));
+    EXPECT_TRUE(first.undoes_from_the_start(record(1, Label::kStatic)));
   }
   first.begin(frame(kFirst + 3));
   EXPECT_FALSE(first.is_open());
   EXPECT_TRUE(first.frames().empty());
-  EXPECT_FALSE(first.holds(record(1, Label::kStatic)));
+  EXPECT_FALSE(first.undoes_from_the_start(record(1, Label::kStatic)));
 }
 
 // As where processing frames again has cost enough.
@@ -83,7 +84,7 @@ TEST(FirstFrame, ClosedItHoldsNothing) {
   first.begin(frame(kFirst));
   EXPECT_EQ(first.label(1), Label::kStatic);
   first.close();
-  EXPECT_FALSE(first.holds(record(1, Label::kStatic)));
+  EXPECT_FALSE(first.undoes_from_the_start(record(1, Label::kStatic)));
   first.begin(frame(kFirst + 1));
   EXPECT_TRUE(first.frames().empty());
 }
@@ -92,7 +93,7 @@ TEST(FirstFrame, ClosedItHoldsNothing) {
 TEST(FirstFrame, IsClosedWhereAllLabelsAreGiven) {
   FirstFrame first = with(FirstFrameLabels::kOdds);
   first.begin(frame(kFirst));
-  EXPECT_FALSE(first.holds(record(1, Label::kStatic)));
+  EXPECT_FALSE(first.undoes_from_the_start(record(1, Label::kStatic)));
   EXPECT_TRUE(first.is_open());
   first.begin(frame(kFirst + 1));
   EXPECT_FALSE(first.is_open());

@@ -390,6 +390,14 @@ TEST_F(FrameLoopOf, StartsOverWithoutTheMostRejectedWhereNothingIsRemembered) {
   EXPECT_EQ(label(2), Label::kUnknown);
   EXPECT_EQ(label(3), Label::kStatic);
   EXPECT_THAT(calls_, testing::Not(testing::Contains("free")));
+  // One label, counted once, however many frames were processed again.
+  for (const Mechanism& m : loop_->in_force()) {
+    if (m.name == "labels undone" || m.name == "first frame's labels undone from the start") {
+      EXPECT_TRUE(m.is_on) << m.name;
+      EXPECT_EQ(m.acted, 1) << m.name;
+    }
+    if (m.key == "gate.given_others") EXPECT_EQ(m.acted, 0) << m.name;
+  }
 }
 
 }  // namespace

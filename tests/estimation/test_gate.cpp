@@ -132,7 +132,7 @@ TEST(FrameGate, FindsOutliersThatTheCamerasErrorHides) {
   EXPECT_GE(accepted(joint, kAll), static_cast<int>(kAll - kOutliers) - 4);
 }
 
-// With outliers let go, the rest is judged as if they had never been there.
+// With outliers dropped, the rest is judged as if they had never been there.
 TEST(FrameGate, WhatIsLetGoLeavesNoTrace) {
   World world(20, 13.0, 0.5, 3);
   world.frame.nu[4] += Eigen::Vector2d(15.0, 0.0);

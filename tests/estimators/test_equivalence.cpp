@@ -1,5 +1,5 @@
 // A window of one frame and one Gauss-Newton step is the EKF; a window as long as the sequence is
-// the batch. On `circle`, with births, classifications and deaths of landmarks.
+// the batch. With births, classifications and deaths of landmarks.
 #include <gtest/gtest.h>
 
 #include <filesystem>

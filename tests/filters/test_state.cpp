@@ -117,7 +117,7 @@ TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
 }
 
 // A camera that has moved, two anchors that are not known alike, a free landmark; the first of the
-// matches has been let go.
+// matches has been dropped.
 struct SecondOrderScene {
   explicit SecondOrderScene(bool has_known) {
     Devices first = devices;

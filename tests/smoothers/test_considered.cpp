@@ -66,6 +66,23 @@ TEST_P(Considered, DoNotEnterThePriorOfTheCore) {
   ASSERT_NE(scene.graph.prior().active.find(scene.graph[Scene::kMoving].w), nullptr);
 }
 
+// A step of the core is not theirs, whatever an earlier solution has left in their chains.
+TEST_P(Considered, StayWhereTheyAreWhileTheCoreMoves) {
+  GraphLandmark& l = scene.graph[Scene::kMoving];
+  ASSERT_GT(l.steps(), 0);
+  scene.graph.linearise();
+  NormalEquations equations;
+  equations.factorise(scene.graph, scene.newest());
+  for (ChainStep& step : l.chain) step.step.setConstant(step.noise.size(), 1.0);
+  equations.solve(scene.graph);
+  const SmallVector y = scene.graph.variables[l.y].value;
+  std::vector<LandmarkVector> noises;
+  for (const ChainStep& step : l.chain) noises.push_back(step.noise);
+  scene.graph.retract();
+  EXPECT_EQ(scene.graph.variables[l.y].value, y);
+  for (std::size_t i = 0; i < noises.size(); ++i) EXPECT_EQ(l.chain[i].noise, noises[i]) << i;
+}
+
 // The tests above can fail: movers that are not considered do change it.
 TEST_P(Considered, OthersDo) {
   for (const LandmarkId id : {Scene::kMoving, Scene::kFreed}) scene.graph.consider(id, false);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "eval/configuration/registry.h"
+#include "eval/output/in_force.h"
 #include "eval/output/metrics_json.h"
 #include "eval/pooling/estimate_json.h"
 #include "eval/statistics/statistics.h"
@@ -40,23 +41,12 @@ void CellSummary::add(const Json& run) {
                          {"reason", diverged.at("reason")}});
   }
   if (!run.contains("frames")) return;  // it never began
-  if (!run.at("lost_at").is_null()) failed_.push_back({{"seed", seed}, {"frame", run["lost_at"]}});
-  const std::vector<RunWarning> warnings = warnings_of(run.value("warnings", Json::array()));
-  if (!warnings.empty()) {
-    warnings_.push_back({{"seed", seed}, {"warnings", json_of(warnings)}});
-  }
-  if (run.contains("in_force")) add_in_force(run["in_force"]);
+  add_statements(seed, run);
   const bool batch = is_batch(cell_.estimator);  // see RunResult
   const char* judged = batch ? "smoothed" : "filtered";
   const char* frames = batch ? "smoothed_frames" : "frames";
   if (run.contains(frames)) add_frames(seed, run[frames]);
-  if (run.contains("axes")) axes_ = run["axes"];
-  ages_.add(run.at("landmarks"));
-  tracks_.add(run.at("tracks"));
-  for (const char* what : kCounts) {
-    for (std::size_t i = 0; i < 3; ++i) counts_[what][i] += count_of(run.at(what).at(i));
-  }
-  for (const auto& [key, value] : run.at("coverage").items()) coverage_[key] += number(value);
+  add_counts(run);
   add_values(Scope::kRun, run, "");
   if (!diverged.is_null()) return;
   aligned_ = run.value("aligned", false);
@@ -65,6 +55,26 @@ void CellSummary::add(const Json& run) {
   for (const std::string which : {"filtered", "smoothed"}) {
     add_values(Scope::kTrajectory, run.at(which), which + "_");
   }
+}
+
+// What the run says of itself, and where it was lost.
+void CellSummary::add_statements(std::uint64_t seed, const Json& run) {
+  if (!run.at("lost_at").is_null()) failed_.push_back({{"seed", seed}, {"frame", run["lost_at"]}});
+  const std::vector<RunWarning> warnings = warnings_of(run.value("warnings", Json::array()));
+  if (!warnings.empty()) {
+    warnings_.push_back({{"seed", seed}, {"warnings", json_of(warnings)}});
+  }
+  if (run.contains("in_force")) add_in_force(run["in_force"]);
+}
+
+void CellSummary::add_counts(const Json& run) {
+  if (run.contains("axes")) axes_ = run["axes"];
+  ages_.add(run.at("landmarks"));
+  tracks_.add(run.at("tracks"));
+  for (const char* what : kCounts) {
+    for (std::size_t i = 0; i < 3; ++i) counts_[what][i] += count_of(run.at(what).at(i));
+  }
+  for (const auto& [key, value] : run.at("coverage").items()) coverage_[key] += number(value);
 }
 
 void CellSummary::add_in_force(const Json& mechanisms) {

@@ -39,6 +39,8 @@ class CellSummary {
   };
   void add_frames(std::uint64_t seed, const nlohmann::ordered_json& frames);
   nlohmann::ordered_json nees_by_run() const;
+  void add_statements(std::uint64_t seed, const nlohmann::ordered_json& run);
+  void add_counts(const nlohmann::ordered_json& run);
   void add_in_force(const nlohmann::ordered_json& mechanisms);
   nlohmann::ordered_json in_force() const;
   void add_values(Scope scope, const nlohmann::ordered_json& values, const std::string& prefix);
