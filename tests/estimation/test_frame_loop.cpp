@@ -396,7 +396,9 @@ TEST_F(FrameLoopOf, StartsOverWithoutTheMostRejectedWhereNothingIsRemembered) {
       EXPECT_TRUE(m.is_on) << m.name;
       EXPECT_EQ(m.acted, 1) << m.name;
     }
-    if (m.key == "gate.given_others") EXPECT_EQ(m.acted, 0) << m.name;
+    if (m.key == "gate.given_others") {
+      EXPECT_EQ(m.acted, 0) << m.name;
+    }
   }
 }
 

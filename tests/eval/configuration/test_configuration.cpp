@@ -122,7 +122,7 @@ TEST(Configuration, WhatIsGoneIsRefusedWithWhatToUseInstead) {
         "labels.pooled", "labels.start", "labels.start_over", "labels.window", "frames.step",
         "labels.probability", "classifier.hidden_speed", "initial.angular_velocity_sigma"}) {
     const std::string reason = reason_of(std::string(key) + "=1");
-    EXPECT_NE(reason.find("' is gone: use "), std::string::npos) << key << ": " << reason;
+    EXPECT_NE(reason.find("' is gone: "), std::string::npos) << key << ": " << reason;
     EXPECT_EQ(reason.find('\n'), std::string::npos) << key;
   }
 }
