@@ -4,6 +4,7 @@ table.md has what a reader asks first: errors and consistency of each estimator,
 runs with which seeds on which processor. summary.json says which commit and command made it, what it cost, and has every number
 over the runs, without the series over frames.
 """
+from ..judge.intervals import FEW, FEWEST
 from ..pooling.json_files import dumped
 from . import study_verdict
 from .comparison import BadInput
@@ -60,7 +61,7 @@ def made_by(summary):
     runs, first = study_verdict.most_runs(summary), summary["first_seed"]
     seeds = f"seed {first}" if runs == 1 else f"seeds {first} to {first + runs - 1}"
     p = summary["provenance"]
-    brackets = " Brackets: 95% intervals over runs." if runs >= 5 else ""
+    brackets = " Brackets: 95% intervals over runs." if runs >= FEWEST else f" No intervals: {FEW}."
     return f"{runs} run{'' if runs == 1 else 's'} of each, {seeds}; {p['cpu']}, {p['jobs'] or 'any number of'} at a time.{brackets}"
 
 

@@ -55,6 +55,8 @@ def accuracy(summary):
         first = [errors[0][1] for _, errors in ordered]
         sentences = ["Smallest error: " + ", ".join(
             f"{label} in {first.count(label)}" for label in sorted(dict.fromkeys(first), key=first.count, reverse=True)) + f" of {len(ordered)} scenarios."]
+    if any(e["lower"] is None for _, errors in ordered for e, _ in errors):
+        sentences.append(f"{FEW[:1].upper()}{FEW[1:]} have no interval.")
     measured = [group["name"] for group, _ in ordered if any(cell.get("aligned") for cell in group["cells"])]
     if measured:
         sentences.append("Where the truth is measured, errors are after similarity alignment (ATE Sim(3)), as images of one camera tell neither frame nor scale.")
