@@ -1,7 +1,8 @@
 """Intervals over runs. Runs are independent; frames and landmarks of one run are not, so a run is one sample.
 
 Errors and NEES are positive and skewed, so their interval is Student's t of the logarithm of the mean (delta method), which
-simulations of our series confirm at 5 to 50 runs (tests/python/test_coverage.py). Differences have both signs: plain t.
+simulations of our series confirm at 5 to 50 runs (tests/python/test_statistics.py). Differences have both signs: plain t. Where a
+few lost runs carry most of a mean (skewness above 3) no interval of so few runs is right, and this one covers 88 to 93%.
 """
 from __future__ import annotations
 

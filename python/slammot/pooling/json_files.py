@@ -16,8 +16,8 @@ def number(value) -> float:
     return float(value)
 
 
-def numbers(values) -> np.ndarray:
-    return np.array([number(v) for v in values], float)
+def numbers(values: list) -> np.ndarray:
+    return np.array(values, float).reshape(len(values))
 
 
 def nees_numbers(values) -> np.ndarray:
