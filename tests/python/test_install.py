@@ -1,4 +1,5 @@
 """`pip install .` gives the reader and the judge without a compiler and without the network."""
+import importlib.util
 import pathlib
 import re
 import shutil
@@ -18,6 +19,7 @@ print(slammot.__file__, slammot.__version__)
 """
 
 
+@unittest.skipUnless(all(importlib.util.find_spec(name) for name in ("pip", "setuptools", "wheel")), "needs pip, setuptools and wheel")
 class Install(unittest.TestCase):
     def test_what_pip_installs_judges(self):
         with tempfile.TemporaryDirectory() as temporary:
