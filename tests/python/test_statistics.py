@@ -13,7 +13,7 @@ import slammot  # noqa: E402
 from slammot.judge import consistency, intervals, paired  # noqa: E402
 
 COUNTS = (5, 10, 20, 50)  # of runs
-STUDIES = 4000
+SAMPLES = 200_000  # simulated runs, of which each count makes as many studies as it can: 40,000 of five, 4,000 of fifty
 NAN, INF = math.nan, math.inf
 
 
@@ -39,13 +39,18 @@ def _series(frames, correlation, seed):
     return np.array(nees)
 
 
+def grouped(samples, count):
+    """As studies of so many runs: (studies, runs)."""
+    return samples[:len(samples) // count * count].reshape(-1, count)
+
+
 class Coverage(unittest.TestCase):
     """By simulation: of how many studies the 95% interval contains the truth, in percent."""
 
     @classmethod
     def setUpClass(cls):
         rng = np.random.default_rng(3)
-        shape = (STUDIES, max(COUNTS))
+        shape = (SAMPLES,)
         cls.nees = {"weakly": squares(rng, shape, 60, 0.9, 6), "strongly": squares(rng, shape, 30, 0.985, 6)}
         cls.square = {"weakly": squares(rng, shape, 60, 0.9, 3), "strongly": squares(rng, shape, 40, 0.97, 3)}
         cls.other = squares(rng, shape, 40, 0.97, 3)
@@ -66,20 +71,20 @@ class Coverage(unittest.TestCase):
 
     def test_anees(self):
         for how, means in self.nees.items():
-            self.covered(f"ANEES, {how} correlated", lambda n: intervals.ratio_of_sums(means[:, :n], np.ones((STUDIES, n)))[1:], 6.0)
+            self.covered(f"ANEES, {how} correlated", lambda n: intervals.ratio_of_sums(grouped(means, n), np.ones((SAMPLES // n, n)))[1:], 6.0)
 
     def test_anees_of_runs_of_different_length(self):
         counts = np.random.default_rng(4).integers(40, 80, self.nees["weakly"].shape)
         sums = self.nees["weakly"] * counts
-        self.covered("ANEES, lengths differ", lambda n: intervals.ratio_of_sums(sums[:, :n], counts[:, :n])[1:], 6.0)
+        self.covered("ANEES, lengths differ", lambda n: intervals.ratio_of_sums(grouped(sums, n), grouped(counts, n))[1:], 6.0)
 
     def test_rmse(self):
         for how, square in self.square.items():
-            one, (_, lower, upper) = intervals.root_mean_square(np.sqrt(square[0])), intervals.ratio_of_sums(square[0], np.ones(len(square[0])))
-            self.assertTrue(np.allclose([one.lower**2, one.upper**2], [lower, upper]))  # as for all rows at once below
+            one, (_, lower, upper) = intervals.root_mean_square(np.sqrt(square[:9])), intervals.ratio_of_sums(square[:9], np.ones(9))
+            self.assertTrue(np.allclose([one.lower**2, one.upper**2], [lower, upper]))  # as for all studies at once below
 
             def limits(n, square=square):
-                return np.sqrt(intervals.ratio_of_sums(square[:, :n], np.ones((STUDIES, n)))[1:])
+                return np.sqrt(intervals.ratio_of_sums(grouped(square, n), np.ones((SAMPLES // n, n)))[1:])
             self.covered(f"RMSE, {how} correlated", limits, math.sqrt(3.0))
 
     def test_paired_differences(self):
@@ -87,20 +92,20 @@ class Coverage(unittest.TestCase):
         a, b = (np.sqrt(0.5 * self.square["strongly"] + 0.5 * x) for x in (self.other, self.other[::-1]))
 
         def limits(n):
-            estimates = [intervals.mean(row) for row in (a - b)[:2500, :n]]
+            estimates = [intervals.mean(row) for row in grouped(a - b, n)[:4000]]
             return np.array([[e.lower, e.upper] for e in estimates]).T
         self.covered("difference of RMSEs", limits, 0.0)
 
     def test_a_percentile_bootstrap_would_not_pass(self):
         """As it was here before: this test can fail."""
         rng = np.random.default_rng(5)
-        means = self.nees["strongly"][:1000, :5]
+        means = grouped(self.nees["strongly"], 5)[:1000]
         resampled = means[:, rng.integers(5, size=(500, 5))].mean(axis=2)
         lower, upper = np.quantile(resampled, [0.025, 0.975], axis=1)
         self.assertLess(np.mean((lower <= 6.0) & (6.0 <= upper)), 0.88)
 
     def test_the_median_covers_at_least(self):
-        estimates = [intervals.median(row[:20]) for row in self.nees["weakly"][:1000]]
+        estimates = [intervals.median(row) for row in grouped(self.nees["weakly"], 20)[:1000]]
         truth = np.median(self.nees["weakly"])
         self.assertGreater(np.mean([e.lower <= truth <= e.upper for e in estimates]), 0.94)
 
