@@ -23,7 +23,7 @@
 #include "eval/configuration/setup.h"
 #include "eval/output/in_force.h"
 #include "eval/output/metrics_table.h"
-#include "eval/report/report_generator.h"
+#include "eval/python/report_generator.h"
 #include "frontend/odometry/rotation_check.h"
 
 namespace slammot {

@@ -11,8 +11,7 @@
 #include "datasets/output/output_folder.h"
 #include "eval/compare/report_runs.h"
 #include "eval/output/metrics_table.h"
-#include "eval/report/report_generator.h"
-#include "eval/study/summary/study_summary.h"
+#include "eval/python/report_generator.h"
 
 namespace slammot {
 namespace {
@@ -45,58 +44,6 @@ int report_again(const Path& folder) {
                    "is reported with --output DIR");
 }
 
-std::string with_interval(const Json& estimate, int decimals) {
-  if (!estimate.is_object()) return "-";
-  const auto part = [&](const char* key) { return estimate.at(key).get<double>(); };
-  std::string value = fmt::format("{:.{}f}", part("value"), decimals);
-  if (std::isnan(part("lower"))) return value;
-  return fmt::format("{} [{:.{}f}, {:.{}f}]", value, part("lower"), decimals, part("upper"),
-                     decimals);
-}
-
-Json value_of(const Json& estimator, const std::string& key) {
-  const Json& values = estimator.at("values");
-  return values.contains(key) ? values.at(key) : Json();
-}
-
-Json anees_of(const Json& estimator, const std::string& part) {
-  const Json& anees = estimator.at("anees");
-  if (!anees.contains(part)) return {};
-  Json estimate = anees.at(part);
-  estimate["value"] = estimate.at("mean");
-  return estimate;
-}
-
-std::string inside_of(const Json& estimator) {
-  const Json pose = anees_of(estimator, "pose");
-  if (!pose.is_object() || pose.at("infinite") != 0) return "-";
-  return fmt::format("{:.0f}%", 100.0 * pose.at("inside").get<double>());
-}
-
-std::string coverage_of(const Json& estimator) {
-  const Json coverage = value_of(estimator, "coverage");
-  return coverage.is_object() ? fmt::format("{:.1f}%", 100.0 * coverage.at("value").get<double>())
-                              : "-";
-}
-
-// A row for each estimator, its runs put together.
-std::string pooled_table(const Json& estimators) {
-  std::vector<TextRow> rows = {{"estimator", "runs", "coverage", "failed", "diverged", "warned",
-                                "position RMSE m", "ATE Sim(3) m", "ANEES pose (6)",
-                                "ANEES position (3)", "frames inside"}};
-  for (const Json& e : estimators) {
-    rows.push_back({e.at("name").get<std::string>(), e.at("runs").dump(), coverage_of(e),
-                    e.at("failed").dump(), e.at("diverged").dump(), e.at("warned").dump(),
-                    with_interval(value_of(e, kPositionRmse), 4),
-                    with_interval(value_of(e, kAteSim3), 4), with_interval(anees_of(e, "pose"), 3),
-                    with_interval(anees_of(e, "position"), 3), inside_of(e)});
-  }
-  return aligned(rows, 1) +
-         "Errors: root mean square over the runs that did not diverge. In brackets: 95% bootstrap "
-         "interval over runs.\nFrames inside: those whose NEES, averaged over the runs, lies in "
-         "the 95% interval of a consistent estimator.\n";
-}
-
 int report_runs_to(const ReportArguments& arguments) {
   if (arguments.output.empty()) {
     throw std::invalid_argument("report RUN... needs --output DIR for the page");
@@ -105,15 +52,14 @@ int report_runs_to(const ReportArguments& arguments) {
   require_output(output, kComparisonOutput, arguments.runs.force);
   require_writable_folder(output);
   const std::vector<JudgedRun> runs = judged(arguments.runs);
-  const Json estimators = report_runs(runs, output, command_line());
-  fmt::print("{}", pooled_table(estimators));
-  std::fflush(stdout);
+  report_runs(runs, output, command_line());
+  const int code = make_compare_page(output, true);
   std::vector<NamedMetrics> results;
   for (const JudgedRun& run : runs) {
     results.push_back({run.path.string(), run.estimator, run.stored.landmark, run.metrics});
   }
   fmt::print(stderr, "{}", warning_lines(results));
-  return finish(make_compare_page(output), output);
+  return finish(code, output);
 }
 
 int execute(const ReportArguments& arguments) {

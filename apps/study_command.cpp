@@ -5,16 +5,16 @@
 #include <thread>
 
 #include "apps/commands.h"
+#include "apps/support/command_line.h"
 #include "apps/support/progress.h"
 #include "apps/support/usage.h"
 #include "apps/support/writable.h"
 #include "datasets/output/output_files.h"
 #include "datasets/text/number.h"
-#include "eval/report/report_generator.h"
+#include "eval/python/report_generator.h"
 #include "eval/study/study_driver.h"
+#include "eval/study/study_plan.h"
 #include "eval/study/study_view.h"
-#include "eval/study/summary/study_summary.h"
-#include "eval/study/table/runs_table.h"
 #include "frontend/odometry/rotation_check.h"
 
 namespace slammot {
@@ -25,6 +25,8 @@ struct StudyArguments {
   std::string output;
   std::string shard;
   std::vector<std::string> merge;
+  std::string record_in;
+  bool record = false;
   bool merge_only = false;
   bool resume = false;
   bool force = false;
@@ -42,16 +44,36 @@ Shard parse_shard(const std::string& text) {
   return {*index, *count};
 }
 
+// Nothing where nothing is to be recorded; without a folder of its own, results/ of the repository
+// that the study is in.
+RecordOptions record_of(const StudyArguments& arguments) {
+  namespace fs = std::filesystem;
+  if (!arguments.record) return {};
+  const fs::path study = fs::absolute(arguments.study);
+  RecordOptions options{arguments.record_in, study.stem().string(), command_line()};
+  for (fs::path at = study.parent_path(); options.record.empty(); at = at.parent_path()) {
+    if (fs::exists(at / ".git")) options.record = at / "results";
+    if (at == at.root_path()) break;
+  }
+  if (options.record.empty()) {
+    throw std::invalid_argument("--record: " + arguments.study +
+                                " is in no repository: name a folder, --record DIR");
+  }
+  require_writable_folder(options.record);
+  return options;
+}
+
 int finish(const Study& study, const std::filesystem::path& output,
-           const std::vector<std::filesystem::path>& folders, int jobs, bool mix) {
+           const std::vector<std::filesystem::path>& folders, int jobs, bool mix,
+           const RecordOptions& record) {
   merge_runs(study, folders, output, mix);
-  write_runs_table(study, output);
-  write_file(output / "summary.json",
-             summarise_study(study, output, provenance(jobs)).dump(1) + '\n');
+  write_file(output / "plan.json", study_plan(study, provenance(jobs)).dump(1) + '\n');
   write_file(output / "view.json", study_view(study).dump() + '\n');
-  if (make_study_page(output) != 0) {
-    fmt::print(stderr, "slammot: no report; the results are in {}\n", output.string());
-    return 1;
+  if (const int code = make_study_page(output, record); code != 0) {
+    if (code == 1) {
+      fmt::print(stderr, "slammot: no report; the results are in {}\n", output.string());
+    }
+    return code;
   }
   fmt::print("{}\n", page_of(output).string());
   return 0;
@@ -70,6 +92,7 @@ std::string runs_text(const Study& study) {
 
 int execute(const StudyArguments& arguments) {
   const Shard shard = parse_shard(arguments.shard);
+  const RecordOptions record = record_of(arguments);
   Study study = read_study(arguments.study);
   if (arguments.runs > 0) study.runs = arguments.runs;
   const std::filesystem::path output =
@@ -80,7 +103,7 @@ int execute(const StudyArguments& arguments) {
     claim_folder(study, output, shard, true);
     std::vector<std::filesystem::path> folders(arguments.merge.begin(), arguments.merge.end());
     if (folders.empty()) folders.push_back(output);
-    return finish(study, output, folders, 0, arguments.force);
+    return finish(study, output, folders, 0, arguments.force, record);
   }
   // Twice the same command is once: what stands in the study's own folder is gone on with.
   const bool resume = arguments.resume || arguments.output.empty();
@@ -104,7 +127,9 @@ int execute(const StudyArguments& arguments) {
   const int ran = run_study(study, options);
   progress.clear();
   fmt::print("{} runs done{}\n", ran, resume ? ", the others were there" : "");
-  if (shard.count == 1) return finish(study, output, {output}, options.jobs, arguments.force);
+  if (shard.count == 1) {
+    return finish(study, output, {output}, options.jobs, arguments.force, record);
+  }
   fmt::print(
       "shard {} of {} is in {}; when all are there: slammot study {} --merge --output {}; or, of a "
       "folder each: --merge DIR1 DIR2 ... --output DIR\n",
@@ -143,8 +168,17 @@ void add_study(CLI::App& app, int& exit_code) {
           ->type_name("DIR")
           ->expected(0, -1)
           ->excludes(shard);
-  command->callback([arguments, merge, &exit_code] {
+  auto* record =
+      command
+          ->add_option("--record", arguments->record_in,
+                       "also table.md and a short summary.json in DIR/STUDY (results/ of the "
+                       "repository), with commit, seeds, command and processor")
+          ->type_name("DIR")
+          ->expected(0, 1)
+          ->excludes(shard);
+  command->callback([arguments, merge, record, &exit_code] {
     arguments->merge_only = merge->count() > 0;
+    arguments->record = record->count() > 0;
     std::erase(arguments->merge, "");
     exit_code = execute(*arguments);
   });

@@ -9,7 +9,7 @@
 #include "datasets/output/output_files.h"
 #include "datasets/output/output_folder.h"
 #include "eval/output/run_files.h"
-#include "eval/report/report_generator.h"
+#include "eval/python/report_generator.h"
 #include "frontend/image_file.h"
 #include "frontend/rendering/film.h"
 #include "frontend/rendering/picture.h"

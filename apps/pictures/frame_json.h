@@ -1,4 +1,4 @@
-// A frame's picture as data, which eval/report/frame_figure.py draws (docs/formats.md).
+// A frame's picture as data, which python/slammot/report/frame_figure.py draws (docs/formats.md).
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -12,7 +12,7 @@ SLAMMOT_PYTHON
 the Python of reports and of estimators written in Python (/usr/bin/python3)
 .TP
 SLAMMOT_SHARE
-the folder of the report's files, instead of the one beside the program
+PREFIX/share/slammot of an installation, where the Python package is not found beside the program
 """
 
 

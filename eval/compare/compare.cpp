@@ -8,7 +8,6 @@
 #include "datasets/output/output_files.h"
 #include "datasets/output/output_folder.h"
 #include "eval/compare/comparison_json.h"
-#include "eval/compare/pooled.h"
 #include "eval/configuration/registry.h"
 
 namespace slammot {
@@ -50,8 +49,7 @@ void check(const Configuration& configuration, const std::vector<ComparedRun>& r
 
 // Runs one row, writes its folder, and adds it to the JSON.
 NamedMetrics compare_one(const Sequence& sequence, const Configuration& base,
-                         const ComparedRun& row, const CompareOptions& options, Json& json,
-                         Pool& pool) {
+                         const ComparedRun& row, const CompareOptions& options, Json& json) {
   DriveOptions drive_options;
   drive_options.landmarks_every_frame = drive_options.predictions = options.landmarks_every_frame;
   drive_options.check_rotation = options.check_rotation;
@@ -69,9 +67,6 @@ NamedMetrics compare_one(const Sequence& sequence, const Configuration& base,
   json["runs"].push_back(
       run_json(sequence, entry_of(row, done.configuration), done.run, done.metrics));
   json["runs"].back()["pooled"] = row.label;
-  pool.add(row.label, sequence, done.run, done.metrics);
-  json["estimators"] = pool.estimators();
-  json["pairs"] = pool.pairs();
   return {row.label, estimator_label(row.estimator),
           landmark_of(find_estimator(row.estimator), done.configuration), done.metrics};
 }
@@ -131,10 +126,9 @@ std::vector<NamedMetrics> compare(const Sequence& sequence, const Configuration&
   check(configuration, runs);
   std::filesystem::create_directories(options.output);
   Json json = comparison_json(options.command, sequence, options.seed, options.metrics);
-  Pool pool;
   std::vector<NamedMetrics> results;
   for (const ComparedRun& row : runs) {
-    results.push_back(compare_one(sequence, configuration, row, options, json, pool));
+    results.push_back(compare_one(sequence, configuration, row, options, json));
     // Written after every run, so that what was computed is never lost.
     write_file(options.output / kComparisonOutput.mark, json.dump(1) + '\n');
   }

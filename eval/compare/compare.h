@@ -1,6 +1,6 @@
 // Several estimators over one sequence, side by side: a run folder each, compare.json, and a table.
 //
-// compare.json (what report/compare_report.py reads; null where a number is not defined):
+// compare.json (what python/slammot/report reads; null where a number is not defined):
 //   format "slammot-compare-1", version, command,
 //   sequence {name, path, sha256, seed, frames, exact_truth, width, height, pixel_sigma}
 //            in a report of runs that of the first, and {count, names[]} of all
@@ -18,8 +18,10 @@
 //            every stride-th frame, at most about 2000. With a measured truth also alignment
 //            {scale, rotation[[3],[3],[3]], translation[3]} by Sim(3) and
 //            aligned_position_error_m[]
-//   estimators[], pairs[]  what runs of one name, and two of them, say together (pooled.h);
-//            runs[] have their name in `pooled`, and of stored runs sequence {name, sha256}
+//   runs[].frames          errors and NEES of every frame (eval/output/judged_frames.h), and
+//            timestamp[]: what runs of one name, and two of them, say together is made of them
+//            (python/slammot/pooling/estimators.py writes it to pooled.json); the name is in
+//            runs[].pooled, and stored runs have sequence {name, sha256}
 #pragma once
 
 #include <filesystem>

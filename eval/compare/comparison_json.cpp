@@ -1,6 +1,7 @@
 #include "eval/compare/comparison_json.h"
 
 #include "eval/compare/series.h"
+#include "eval/output/judged_frames.h"
 #include "eval/provenance/provenance.h"
 
 namespace slammot {
@@ -8,6 +9,16 @@ namespace {
 
 void erase_series(Json& trajectory) {
   if (trajectory.is_object() && trajectory["nees"].is_object()) trajectory["nees"].erase("series");
+}
+
+Json frames_json(const Sequence& sequence, const RunResult& run) {
+  const std::vector<PosePair> pairs = pair_with_truth(sequence, run.judged());
+  Json json = judged_frames(sequence, pairs);
+  json["timestamp"] = Json::array();
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    json["timestamp"].push_back(pairs[i].estimate.timestamp);
+  }
+  return json;
 }
 
 }  // namespace
@@ -36,6 +47,7 @@ Json run_json(const Sequence& sequence, const ComparedEntry& entry, const RunRes
   erase_series(json["metrics"]["filtered"]);
   erase_series(json["metrics"]["smoothed"]);
   json["series"] = run_series(sequence, run, metrics.judged());
+  json["frames"] = frames_json(sequence, run);
   json["smoothed_series"] = metrics.smoothed && !metrics.batch
                                 ? smoothed_series(sequence, run, *metrics.smoothed)
                                 : Json();
@@ -51,8 +63,6 @@ Json comparison_json(const std::string& command, const Sequence& sequence,
           {"sequence", sequence_json(sequence, seed)},
           {"truth", truth_json(sequence)},
           {"metrics", metric_table_json(metrics)},
-          {"estimators", Json::array()},
-          {"pairs", Json::array()},
           {"runs", Json::array()}};
 }
 

@@ -9,8 +9,8 @@
 #include "datasets/output/output_files.h"
 #include "datasets/output/output_folder.h"
 #include "eval/compare/comparison_json.h"
-#include "eval/compare/pooled.h"
 #include "eval/configuration/registry.h"
+#include "eval/output/metrics_json.h"
 #include "eval/output/run_files.h"
 #include "eval/output/run_writer.h"
 
@@ -133,7 +133,7 @@ void write_description(const JudgedRun& run, const Path& folder) {
 
 }  // namespace
 
-Json report_runs(const std::vector<JudgedRun>& runs, const Path& output,
+void report_runs(const std::vector<JudgedRun>& runs, const Path& output,
                  const std::string& command) {
   const Sequence& first = *runs.front().sequence;
   const std::vector<std::string> labels = labels_of(runs), names = names_of(runs, labels);
@@ -154,7 +154,6 @@ Json report_runs(const std::vector<JudgedRun>& runs, const Path& output,
   std::filesystem::create_directories(output);
   const Path mark = output / kComparisonOutput.mark;
   write_file(mark, json.dump(1) + '\n');  // first: by it the folder is known
-  Pool pool;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const JudgedRun& run = runs[i];
     write_results(output / labels[i], run.stored.run, run.metrics);
@@ -164,12 +163,8 @@ Json report_runs(const std::vector<JudgedRun>& runs, const Path& output,
     json["runs"].back()["pooled"] = names[i];
     json["runs"].back()["sequence"] = {{"name", run.sequence->name},
                                        {"sha256", run.sequence->sha256}};
-    pool.add(names[i], *run.sequence, run.stored.run, run.metrics);
   }
-  json["estimators"] = pool.estimators();
-  json["pairs"] = pool.pairs();
   write_file(mark, json.dump(1) + '\n');
-  return json["estimators"];
 }
 
 }  // namespace slammot

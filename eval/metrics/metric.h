@@ -33,7 +33,7 @@ enum class Shown { kFiles, kPage, kTerminal };  // in files; on the page too; ev
 
 enum class Form { kReal, kCount, kRatio };  // a ratio is shown in per cent
 
-// How a study puts its runs together: into one number with its bootstrap interval, or not at all.
+// How a study puts its runs together: into one number with its interval, or not at all.
 enum class Pooled { kNot, kMean, kRootMeanSquare, kMedianTiming };
 
 struct Metric {

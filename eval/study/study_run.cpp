@@ -10,9 +10,8 @@
 #include "datasets/text/input_error.h"
 #include "eval/configuration/setup.h"
 #include "eval/output/in_force.h"
+#include "eval/output/judged_frames.h"
 #include "eval/output/metrics_json.h"
-#include "eval/pooling/frame_statistics.h"
-#include "eval/statistics/bootstrap.h"
 #include "eval/statistics/statistics.h"
 #include "eval/study/study_figures.h"
 #include "eval/study/study_sequence.h"
@@ -81,16 +80,19 @@ std::vector<LandmarkSample> estimated_samples(const Sequence& sequence, const Ru
 // Mean and count of the NEES of the landmarks measured in each of `frames`.
 void add_landmark_nees(const std::vector<LandmarkSample>& samples, const char* part,
                        double LandmarkSample::*nees_of, Json& frames) {
-  std::map<int, RunSum> sums;
+  struct Sum {
+    double sum = 0.0, count = 0.0;
+  };
+  std::map<int, Sum> sums;
   for (const LandmarkSample& s : samples) {
     if (std::isnan(s.*nees_of)) continue;
-    RunSum& r = sums[s.frame];
+    Sum& r = sums[s.frame];
     r = {r.sum + s.*nees_of, r.count + 1};
   }
   std::vector<double> means;
   std::vector<int> counts;
   for (const Json& frame : frames.at("frame")) {
-    const RunSum r = sums[frame.get<int>()];
+    const Sum r = sums[frame.get<int>()];
     means.push_back(r.count > 0.0 ? r.sum / r.count : kUndefined);
     counts.push_back(static_cast<int>(r.count));
   }

@@ -8,7 +8,6 @@
 import pathlib
 import sys
 
-import numpy as np
 import slammot
 
 output = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "slammot-out/notebook")
@@ -19,16 +18,14 @@ print(f"{sequence.name}: {len(sequence.frames)} frames, {len(sequence.known)} kn
 # %% Both estimators on it, and the error of each position against the truth
 for estimator, name in (("ekf", "ekf"), (mine, "mine")):
     run = slammot.run(output / "sequence", estimator, output / name, force=True)
-    error = (run.trajectory - sequence.truth)[["x", "y", "z"]].to_numpy()
-    inverses = np.linalg.inv(run.covariance[1:, :3, :3])  # not of the first frame, which is given
-    nees = np.einsum("ni,nij,nj->n", error[1:], inverses, error[1:])
-    print(f"{name}: position RMSE {np.sqrt((error ** 2).sum(axis=1).mean()):.4f} m, mean NEES {nees.mean():.2f} (3)")
+    figures = slammot.evaluate(run.trajectory, run.covariance, sequence.truth).figures  # of arrays of any estimator
+    print(f"{name}: position RMSE {figures['position_rmse_m']:.4f} m, mean NEES {figures['nees.position.mean']:.2f} (3)")
 
 # %% A study: the same seeds for both, two levels of noise
 (output / "study.yaml").write_text(f"""\
 format: slammot-study-1
 name: notebook
-runs: 4
+runs: 5
 scenarios: [{{scenario: helix, set: {{frames: 40}}}}]
 estimators:
   - {{estimator: ekf}}
@@ -42,7 +39,8 @@ runs = slammot.read_study(output / "study")
 table = runs.groupby(["scenario.noise", "label"])[["filtered_position_rmse_m", "filtered_nees_pose"]]
 print(table.agg(["mean", "sem"]).round(4).to_string())
 
-# %% Runs of one seed saw the same measurements: paired differences
-pairs = runs.pivot(index=["scenario.noise", "seed"], columns="label", values="filtered_position_rmse_m")
-difference = (pairs["mine"] - pairs["ekf"]).groupby("scenario.noise")
-print(difference.agg(["mean", "sem", "count"]).round(5).to_string())
+# %% Runs of one seed saw the same measurements: paired differences, mine - ekf, with their 95% intervals
+for noise, group in runs.groupby("scenario.noise"):
+    mine_runs, ekf_runs = (group[group["label"] == label].set_index("seed") for label in ("mine", "ekf"))
+    columns = ["filtered_position_rmse_m", "filtered_rotation_rmse_deg"]
+    print(f"noise {noise} px\n{slammot.compare(mine_runs[columns], ekf_runs[columns]).round(5).to_string()}")

@@ -1,5 +1,5 @@
 // The marks of pictures: told apart by shape, and by colours that are safe for all kinds of colour
-// vision. eval/report/frame_figure.py has the same.
+// vision. python/slammot/report/frame_figure.py has the same.
 //
 // By label: an open square is unknown, a disc static, a diamond moving. By measurement: an upright
 // cross was accepted, a diagonal one rejected.

@@ -1,4 +1,4 @@
-"""slammot from Python: runs, studies and sequences as tables and arrays, and estimators written in Python.
+"""slammot from Python: runs, studies and sequences as tables and arrays, the judge of runs, and estimators written in Python.
 
 What needs pandas is loaded when it is first used, so that an estimator's process starts fast.
 """
@@ -7,7 +7,11 @@ import importlib
 from .estimator import (Camera, CameraEstimate, Diverged, Estimator, Frame, FrameReport, KnownLandmarks,
                         LandmarkEstimate, Setup)
 
-_LATER = {"read_run": "reading", "read_study": "reading", "read_sequence": "reading", "Run": "reading",
+__version__ = "0.1.0"  # of the program
+
+_LATER = {"evaluate": "judge.accuracy", "Evaluation": "judge.accuracy", "errors": "judge.accuracy", "align": "judge.accuracy",
+          "nees": "judge.consistency", "anees": "judge.consistency", "Anees": "judge.consistency", "compare": "judge.paired",
+          "Paired": "judge.paired", "holm": "judge.intervals", "Estimate": "judge.intervals", "read_run": "reading", "read_study": "reading", "read_sequence": "reading", "Run": "reading",
           "Sequence": "reading", "program": "program", "slammot": "program", "simulate": "program", "run": "program"}
 
 __all__ = ["Camera", "CameraEstimate", "Diverged", "Estimator", "Frame", "FrameReport", "KnownLandmarks",

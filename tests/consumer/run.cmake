@@ -26,7 +26,7 @@ execute_process(COMMAND ${work}/build/consumer OUTPUT_VARIABLE said COMMAND_ERRO
 if(NOT said STREQUAL "pixel 358.0 162.5\n")
   message(FATAL_ERROR "the consumer said '${said}'")
 endif()
-foreach(file bin/slammot share/slammot/report/compare_report.py share/man/man1/slammot.1
+foreach(file bin/slammot ${PYTHON_DIR}/slammot/report/templates/compare.html share/man/man1/slammot.1
         share/bash-completion/completions/slammot ${PYTHON_DIR}/slammot/worker.py)
   if(NOT EXISTS ${work}/prefix/${file})
     message(FATAL_ERROR "not installed: ${file}")

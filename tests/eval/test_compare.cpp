@@ -5,9 +5,8 @@
 
 #include "eval/compare/compare.h"
 #include "eval/compare/comparison_json.h"
-#include "eval/compare/pooled.h"
+#include "eval/output/judged_frames.h"
 #include "eval/output/metrics_table.h"
-#include "eval/pooling/paired_errors.h"
 #include "tests/eval/fixture.h"
 
 namespace slammot {
@@ -78,35 +77,18 @@ TEST(Compare, ABatchIsJudgedByWhatItSmooths) {
   EXPECT_NEAR(metrics.runtime.frames_per_second, 1e3 * 40 / (40 * 2.0 + 400.0), 1e-9);
   ASSERT_EQ(metrics.runtime.stages.size(), 2u);
   EXPECT_EQ(metrics.runtime.stages[0].stage, "solution");
-  Pool pool;
-  pool.add("batch", sequence, run, metrics);
-  const auto estimators = pool.estimators();
-  EXPECT_EQ(estimators[0]["failed"], 0);
-  EXPECT_NEAR(estimators[0]["values"]["position_rmse_m"]["value"].get<double>(), 0.0, 1e-12);
-  EXPECT_NEAR(estimators[0]["anees"]["pose"]["mean"].get<double>(), 0.0, 1e-12);
   const auto json =
       run_json(sequence, {"batch", "batch", "batch", false, "-", {}, {}}, run, metrics);
   EXPECT_NEAR(json["series"]["position_error_m"][5].get<double>(), 0.0, 1e-12);
   EXPECT_TRUE(json["smoothed_series"].is_null());
+  EXPECT_EQ(json["frames"]["timestamp"].size(), 39u);  // without the first, a pin
+  EXPECT_NEAR(json["frames"]["nees_pose"][5].get<double>(), 0.0, 1e-12);
   run.smoothed.clear();
   const RunMetrics unsolved = compute_metrics(sequence, run, 0.95);
   EXPECT_EQ(unsolved.judged().accuracy.reason, "no pose was estimated");
   run.batch = false;
   EXPECT_TRUE(compute_metrics(sequence, run, 0.95).failed);
   EXPECT_FALSE(compute_metrics(sequence, run, 0.95).lagged.empty());
-}
-
-TEST(Compare, ErrorsThatDifferByRoundingAreTies) {
-  PairedErrors errors;
-  errors.add(0.5, 0.5 * (1.0 + 1e-12));
-  errors.add(INFINITY, INFINITY);
-  EXPECT_EQ(errors.wins_a() + errors.wins_b(), 0);
-  EXPECT_EQ(errors.difference().value, 0.0);
-  errors.add(0.5, 0.5 * (1.0 + 1e-6));
-  errors.add(INFINITY, 0.5);
-  EXPECT_EQ(errors.pairs(), 4);
-  EXPECT_EQ(errors.wins_a(), 1);
-  EXPECT_EQ(errors.wins_b(), 1);
 }
 
 TEST(Compare, MistakesAreFoundBeforeTheFirstRun) {
@@ -123,6 +105,18 @@ TEST(Compare, MistakesAreFoundBeforeTheFirstRun) {
         std::invalid_argument);
     EXPECT_FALSE(std::filesystem::exists(output));
   }
+}
+
+TEST(JudgedFrames, CovariancesThatNobodyStatedHaveNoNees) {
+  Sequence sequence;
+  sequence.exact_truth = true;
+  std::vector<PosePair> pairs(3);
+  for (PosePair& pair : pairs) pair.estimate.covariance.setConstant(NAN);
+  pairs[1].estimate.covariance.topLeftCorner<3, 3>().setIdentity();
+  const auto frames = judged_frames(sequence, pairs);
+  EXPECT_TRUE(frames.contains("nees_position"));  // stated of one pose
+  EXPECT_FALSE(frames.contains("nees_pose"));
+  EXPECT_FALSE(frames.contains("nees_rotation"));
 }
 
 }  // namespace

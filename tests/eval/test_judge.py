@@ -17,8 +17,8 @@ import numpy as np
 
 SLAMMOT = ""
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "eval" / "report"))
-from verdict import failure_bound  # noqa: E402
+sys.path.insert(0, str(ROOT / "python"))
+from slammot.report.verdict import failure_bound  # noqa: E402
 
 FRAMES, RUNS = 300, 20
 CONVENTIONS = [",".join(words) for words in itertools.product(("position-first", "rotation-first"), ("right", "left"),
@@ -98,8 +98,12 @@ def write_covariances(file, times, covariances):
     file.write_text("\n".join(rows) + "\n")
 
 
+def pooled(page):
+    return json.loads((page / "pooled.json").read_text())
+
+
 def anees(page, estimator=0, part="pose"):
-    return json.loads((page / "compare.json").read_text())["estimators"][estimator]["anees"][part]
+    return pooled(page)["estimators"][estimator]["anees"][part]
 
 
 class Judge(unittest.TestCase):
@@ -159,8 +163,8 @@ class Judge(unittest.TestCase):
         content = json.loads((page / "compare.json").read_text())
         for key in ("position_rmse_m", "rotation_rmse_deg", "ate_se3_m", "ate_sim3_m", "rpe_1s_position_rmse_m"):
             of_runs = [run["metrics"]["filtered"]["accuracy"][key] for run in content["runs"][:RUNS]]
-            pooled = content["estimators"][0]["values"][key]["value"]
-            self.assertAlmostEqual(pooled, np.sqrt(np.mean(np.square(of_runs))), places=12)
+            of_all = pooled(page)["estimators"][0]["values"][key]["value"]
+            self.assertAlmostEqual(of_all, np.sqrt(np.mean(np.square(of_runs))), places=12)
 
     def test_errors_drawn_in_each_convention_have_anees_6(self):
         for convention in CONVENTIONS:
@@ -195,7 +199,7 @@ class Judge(unittest.TestCase):
         again = self.here / "again"
         slammot("report", page / "mine-01", "--output", again)
         self.assertAlmostEqual(anees(again)["mean"], anees(page)["mean"], delta=1e-9)
-        self.assertEqual(json.loads((again / "compare.json").read_text())["estimators"][0]["name"], "mine")
+        self.assertEqual(pooled(again)["estimators"][0]["name"], "mine")
         self.assertIn("would write over the run", slammot("report", page / "mine-01", "--output", page, "--force", code=2).stderr)
 
     # --- formats -------------------------------------------------------------------------------------
@@ -430,7 +434,7 @@ class Judge(unittest.TestCase):
             (other / "trajectory.tum").write_text("".join(
                 " ".join([row[0], f"{float(row[1]) * (1 + 1e-15):.17g}", *row[2:]]) + "\n" for row in rows))
         page, _ = self.report([*runs, *sorted(self.here.glob("same-*"))])
-        pair, = json.loads((page / "compare.json").read_text())["pairs"]
+        pair, = pooled(page)["pairs"]
         self.assertEqual((pair["pairs"], pair["wins_a"], pair["wins_b"]), (12, 0, 0))
         self.assertEqual([pair["difference"][key] for key in ("value", "lower", "upper")], [0.0, 0.0, 0.0])
 
@@ -449,7 +453,7 @@ class Judge(unittest.TestCase):
         text = (page / "report.html").read_text()
         self.assertIn("nano-mine and slow-mine are not compared: they have poses of 0% and 100% of the frames.", text)
         self.assertNotIn("is more accurate than", text)
-        pair, = json.loads((page / "compare.json").read_text())["pairs"]
+        pair, = pooled(page)["pairs"]
         self.assertEqual(pair["pairs"], 0)
 
     def test_runs_on_two_sequences_are_not_ranked(self):
@@ -480,7 +484,7 @@ class Judge(unittest.TestCase):
                 slammot("run", self.here / name, "--estimator", "ekf", "--output", runs[-1], *given)
         page = self.here / "page"
         slammot("report", *runs, "--output", page)
-        estimators = json.loads((page / "compare.json").read_text())["estimators"]
+        estimators = pooled(page)["estimators"]
         self.assertEqual([(e["name"], e["runs"]) for e in estimators], [("ekf slow0", 2), ("ekf slow2", 2)])
 
     def test_a_sequence_that_is_gone_is_named(self):
@@ -565,7 +569,7 @@ class Judge(unittest.TestCase):
             slammot("run", sequence, "--estimator", "window", "--set", "window.frames=3", "--output", runs["window"][-1])
         page = self.here / "page"
         done = slammot("report", *sum(runs.values(), []), *against * 3, "--output", page)
-        content = json.loads((page / "compare.json").read_text())
+        content = pooled(page)
         self.assertEqual([(e["name"], e["runs"]) for e in content["estimators"]], [(name, RUNS) for name in runs])
         reckoned = content["estimators"][0]["anees"]["pose"]
         self.assertAlmostEqual(reckoned["mean"], 6.0, delta=1.5, msg=done.stdout)

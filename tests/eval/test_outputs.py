@@ -339,9 +339,9 @@ class Outputs(unittest.TestCase):
         study, output = self.folder / "tiny.yaml", self.folder / "deep/output"
         study.write_text(STUDY + 'sweep: {ekf.iterations: [1, 2]}\nfigures: ["against_sweep:position_rmse_m"]\n', encoding="utf-8")
         self.slammot("study", study, "--output", output)
-        summary = json.loads((output / "summary.json").read_text(encoding="utf-8"))
-        summary["figures"] = ["../../escape:position_rmse_m"]
-        (output / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
+        plan = json.loads((output / "plan.json").read_text(encoding="utf-8"))
+        plan["figures"] = ["../../escape:position_rmse_m"]
+        (output / "plan.json").write_text(json.dumps(plan), encoding="utf-8")
         before = set(contents(self.folder))
         self.slammot("report", output)
         made = set(contents(self.folder)) - before

@@ -22,12 +22,8 @@ import unittest
 from unittest import mock
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-REPORT = ROOT / "eval" / "report"
-sys.path.insert(0, str(REPORT))
-import compare_report  # noqa: E402
-import page  # noqa: E402
-import study_figures  # noqa: E402
-import study_tables  # noqa: E402
+sys.path.insert(0, str(ROOT / "python"))
+from slammot.report import compare_report, page, study_figures, study_tables  # noqa: E402
 
 page.packed = functools.cache(page.packed)  # Plotly is the same on every page
 CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic",
@@ -194,6 +190,7 @@ def pooled(comparison):
     comparison["sequence"].update(count=12, names=[f"circle-{seed}" for seed in range(1, 13)])
     comparison["estimators"] = [estimator("ekf", 0.12, 6.2), estimator("mine", 0.2, 9.0, failed=2)]
     comparison["pairs"] = [{"a": "ekf", "b": "mine", "metric": "position_rmse_m", "pairs": 12, "wins_a": 11, "wins_b": 1,
+                            "p": 1e-4, "p_holm": 1e-4,
                             "difference": {"value": -0.08, "lower": -0.1, "upper": -0.06, "runs": 12}}]
 
 
@@ -254,7 +251,7 @@ def generate(output):
     """As the program `compare_report.py OUTPUT`, in this process: the exit code, and what it says."""
     said = io.StringIO()
     with mock.patch.object(sys, "argv", ["compare_report", str(output)]), contextlib.redirect_stderr(said), contextlib.redirect_stdout(said):
-        return page.run_report("compare_report", compare_report.page, "compare.json"), said.getvalue()
+        return page.run_report("compare_report", compare_report.page, "compare.json", table={"action": "store_true"}), said.getvalue()
 
 
 def browse(page, *arguments):
@@ -343,7 +340,7 @@ class Report(unittest.TestCase):
         text = self.text_of_report()
         self.assertIn("4 runs of 2 estimators on 12 sequences", text)
         self.assertIn("Estimators judged: 12 sequences: circle-1 to circle-12 4 runs", text)
-        self.assertIn("ekf is more accurate than mine: better in 11 of 12 pairs of runs.", text)
+        self.assertIn("More accurate (paired t tests, 5%): ekf than mine (in 11 of 12 runs).", text)
         self.assertIn("ekf is consistent within its interval: ANEES of the pose 6.2 [5.58, 6.82] (6 expected)", text)
         self.assertIn("mine is overconfident: ANEES of the pose 9 [8.1, 9.9]", text)
         self.assertIn("mine: 2 of 12 runs failed", text)
@@ -377,10 +374,15 @@ class Report(unittest.TestCase):
     def test_few_runs_decide_nothing(self):
         pooled(self.comparison)
         self.comparison["estimators"] = [estimator("ekf", 0.12, 16.2, runs=3), estimator("mine", 0.2, 9.0, runs=3)]
-        self.comparison["pairs"][0]["difference"]["runs"] = 3
+        for e in self.comparison["estimators"]:
+            for estimate in (*e["values"].values(), e["anees"]["pose"]):
+                estimate.update(lower=None, upper=None)
+        self.comparison["pairs"][0]["difference"].update(runs=3, lower=None, upper=None)
         text = self.text_of_report()
-        self.assertIn("3 runs decide nothing", text)
-        self.assertNotIn("is more accurate", text)
+        self.assertIn("95% interval over runs (fewer than five runs have no interval): ekf 0.12 m; mine 0.2 m.", text)
+        self.assertIn("ekf: ANEES of the pose 16.2 (6 expected); fewer than five runs decide nothing.", text)
+        self.assertIn("No difference is tested: fewer than five runs.", text)
+        self.assertNotIn("More accurate", text)
 
     def test_a_run_that_failed_is_named(self):
         self.comparison["runs"][0]["metrics"].update(failed=True, failed_at=77)
@@ -517,7 +519,8 @@ class Report(unittest.TestCase):
     def test_the_same_input_gives_the_same_bytes(self):
         self.text_of_report()
         first = (self.output / "report.html").read_bytes()
-        done = subprocess.run(["/usr/bin/python3", "-B", REPORT / "compare_report.py", self.output], capture_output=True, text=True, check=False)
+        done = subprocess.run(["/usr/bin/python3", "-B", "-m", "slammot.report", "compare", self.output], capture_output=True, text=True, check=False,
+                              env={**os.environ, "PYTHONPATH": str(ROOT / "python")})
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
         self.assertEqual(first, (self.output / "report.html").read_bytes())
 

@@ -12,8 +12,6 @@
 #include "eval/output/run_reader.h"
 #include "eval/study/study_run.h"
 #include "eval/study/study_store.h"
-#include "eval/study/summary/study_summary.h"
-#include "eval/study/table/runs_table.h"
 #include "eval/trajectory/trajectory_file.h"
 #include "tests/fuzz/target.h"
 
@@ -34,12 +32,10 @@ void read_journal(const Path& folder) {
   add_journals(folder, {{"0.1.0", "p", "c"}, 4, false}, places);
 }
 
-// What a study's page is made of: the runs merged, their table, their summary.
+// The runs of a study, merged.
 void read_study_results(const Path& folder) {
   const Study study = parse_study(folder / "study.yaml");
   merge_runs(study, {folder}, folder, true);
-  write_runs_table(study, folder);
-  summarise_study(study, folder, {});
 }
 
 void require_poses(const std::vector<CameraEstimate>& cameras) {

@@ -1,0 +1,1 @@
+"""What many runs say together: of a study's cells, and of the runs of a comparison."""

@@ -1,0 +1,1 @@
+"""The pages of comparisons and studies: tables, figures, verdicts in words."""
