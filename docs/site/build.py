@@ -27,7 +27,7 @@ CONTENTS = [("Begin", ["docs/tutorial", "docs/results", "docs/consistency-backgr
             ("Method", ["docs/frame", "docs/models", "docs/filter", "docs/labels", "docs/smoother", "docs/decisions", "docs/reproducing"]),
             ("Use", ["docs/images", "docs/recordings", "docs/robustness", "docs/judge", "docs/python", "docs/extending", "docs/formats",
                      "docs/performance", "docs/cluster", "docs/glossary"]),
-            ("Reference", ["python_package", "notebook", "cpp", "README", "docs/README", "CONTRIBUTING", "CHANGELOG"])]
+            ("Reference", ["python_package", "A notebook <notebook>", "cpp", "What it is <README>", "All pages <docs/README>", "CONTRIBUTING", "CHANGELOG"])]
 
 
 def run(*words, **how):
@@ -68,6 +68,8 @@ def lay_out(source, gallery, reference):
     shutil.rmtree(source, ignore_errors=True)
     (source / "extra").mkdir(parents=True)
     shutil.copy(ROOT / "docs/site/conf.py", source)  # paths in it are from here
+    (source / "static").mkdir()
+    shutil.copy(ROOT / "docs/site/wide.css", source / "static")
     for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "LICENSE", "CITATION.cff"):
         shutil.copy(ROOT / name, source / name)
     shutil.copytree(ROOT / "docs", source / "docs", ignore=shutil.ignore_patterns("site"))
@@ -78,7 +80,7 @@ def lay_out(source, gallery, reference):
     for caption, pages in CONTENTS:
         index += ["```{toctree}", f":caption: {caption}", ":maxdepth: 1", "", *pages, "```", ""]
     (source / "index.md").write_text("\n".join(index), encoding="utf-8")
-    lines = ["# Gallery", "", "Pages as the program writes them; each is one file that needs no network.", ""]
+    lines = ["# Gallery", "", "Pages as the program writes them. They need no network.", ""]
     for name, folder, title, command in GALLERY:
         page = source / "extra/gallery" / name
         page.mkdir(parents=True)
@@ -89,9 +91,8 @@ def lay_out(source, gallery, reference):
     (source / "gallery.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     package = ["Python package", "==============", ""]
     for module, title in PYTHON:
-        package += [title, "-" * len(title), "", f".. automodule:: {module}", "   :members:", "   :undoc-members:", ""]
-        if module == "slammot":
-            package = package[:-3] + ["", "   :no-members:", ""]
+        members = [] if module == "slammot" else ["   :members:", "   :undoc-members:"]  # it hands on those of the others
+        package += [title, "-" * len(title), "", f".. automodule:: {module}", *members, ""]
     (source / "python_package.rst").write_text("\n".join(package), encoding="utf-8")
     lines = ["# C++ reference", "", "Made by Doxygen from the headers.", ""]
     if reference:

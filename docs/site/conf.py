@@ -14,3 +14,7 @@ autodoc_typehints = "description"
 nbsphinx_execute = "always"
 nbsphinx_timeout = 600
 exclude_patterns = ["extra"]
+html_static_path = ["static"]
+html_css_files = ["wide.css"]
+smartquotes = False  # F' is a transpose
+html_show_copyright = False

@@ -1,5 +1,6 @@
 # %% [markdown]
-# A filter in Python beside the EKF: one sequence, then a study with intervals.
+# A filter in Python beside the EKF
+# One sequence, then a study with intervals.
 # Cells are marked for editors that run them one by one; as a script it takes the output folder:
 #
 #     PYTHONPATH=python python3 examples/python/notebook.py out
