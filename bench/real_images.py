@@ -1,4 +1,4 @@
-"""real_images.py SLAMMOT DATA OUTPUT [--sensitivity | --first-frames] [--alignment] [NAME ...]: real images through `track` and `run` with the defaults; the tables of docs/recordings.md.
+"""real_images.py SLAMMOT DATA OUTPUT [--sensitivity | --first-frames] [--alignment] [NAME ...]: real images through `track` and `run` with the defaults: what docs/recordings.md speaks of.
 
 Stated are camera and scale, nothing else: what a recording says of its camera's accelerations and of depths is taken out, and the estimators'
 settings are the defaults. With --sensitivity EKF and window run again with one setting changed at a time; with --first-frames all run from other
@@ -29,7 +29,7 @@ SEQUENCES = {  # name: the folder of DATA, and arguments of `track`, which state
 }
 AT_REST, MOVED = 0.6, 3.0  # [px], residuals; the true poses are not exact either
 ESTIMATORS = ["ekf", "window", "static_world", "five_point"]
-FIRST_FRAMES = range(1, 40, 4)  # 0, 2, 4, .. 38 took part in choosing the motion of docs/consistency.md#jolts
+FIRST_FRAMES = range(1, 40, 4)  # 0, 2, 4, .. 38 took part in choosing the motion of the camera noise (docs/models.md)
 SETTINGS = [("pixel_sigma=0.2",), ("pixel_sigma=0.5",), ("motion.acceleration=3", "motion.angular_acceleration=3"), ("motion.adaptive=false",),
             ("gate.given_others=1",), ("prior.mean_sigma=0.1",), ("policy.max_visible=30",), ("labels.first_frame=static",)]
 

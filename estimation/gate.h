@@ -5,7 +5,7 @@
 // this alone may let anything pass.
 //
 // Given the others: with a = S^-1 nu and B = S^-1, the NIS of measurement i given all others is
-// a_i' B_ii^-1 a_i (docs/mathematics.md). An outlier spoils that of its neighbours. So every
+// a_i' B_ii^-1 a_i (docs/filter.md). An outlier spoils that of its neighbours. So every
 // measurement is first believed alone, and the one that most others agree with decides where to
 // begin (one-point consensus, Civera et al. 2010). Of those that agree the worst is dropped, given
 // all others, until all pass. Then what passes given them comes in.

@@ -17,10 +17,10 @@
 // rejected. They are stated once a known landmark has been measured. Where none is, and nothing is
 // stated of depths, their mean has a sigma of 1 1/m at first, which is not that of any scene:
 // nothing of the translation would be learnt from the first frames
-// (docs/consistency-negative.md).
+// (docs/filter.md).
 //
 // Of static landmarks only: the motion of a free one explains its parallax whatever rho is. The
-// mean of the product, c, is left out. Figures: docs/recordings.md.
+// mean of the product, c, is left out.
 #pragma once
 
 #include "models/points/observation.h"

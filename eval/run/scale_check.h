@@ -13,7 +13,7 @@
 // A scale that is wrong by a share s moves the camera by s d, d being its way since the first pose.
 // So a covariance P of the position implies a relative sigma of the scale of sqrt(d'Pd) / |d|^2 at
 // most. Estimators become too sure of the scale where their Jacobians were taken at different
-// scales (docs/consistency.md).
+// scales (docs/results.md).
 #pragma once
 
 #include <optional>

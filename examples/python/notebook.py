@@ -1,5 +1,6 @@
 # %% [markdown]
-# A filter in Python beside the EKF: one sequence, then a study with intervals.
+# A filter in Python beside the EKF
+# One sequence, then a study with intervals.
 # Cells are marked for editors that run them one by one; as a script it takes the output folder:
 #
 #     PYTHONPATH=python python3 examples/python/notebook.py out
@@ -10,8 +11,10 @@ import sys
 
 import slammot
 
-output = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else "slammot-out/notebook")
-mine = f"python:{pathlib.Path(__file__).with_name('estimators.py')}:KnownPoints"
+here = pathlib.Path(__file__).parent if "__file__" in globals() else pathlib.Path()  # a notebook has no file
+arguments = [] if "ipykernel" in sys.modules else sys.argv[1:]
+output = pathlib.Path(arguments[0] if arguments else "slammot-out/notebook")
+mine = f"python:{here / 'estimators.py'}:KnownPoints"
 sequence = slammot.simulate("helix", seed=1, output=output / "sequence", force=True, frames=80)
 print(f"{sequence.name}: {len(sequence.frames)} frames, {len(sequence.known)} known landmarks")
 

@@ -32,11 +32,11 @@ struct TrackNoise {
 
 // What is stated at least [px]: the distances hold neither what of a track lasts for many frames
 // nor the tail of bad tracks. By the NEES of the rendered room, whose pixels have 0.045 px
-// (docs/recordings.md, also on what it costs).
+// (docs/recordings.md).
 inline constexpr double kLeastStated = 0.1;
 
 // What a patch meets in a later image is another view of it, not the same with noise: over pairs of
-// frames errors grow by 1.1 to 1.3 times s on three recordings, by 3.3 on one (docs/recordings.md).
+// frames errors grow by 1.1 to 1.3 times s on three recordings, by 3.3 on one.
 // Where a track begins s is that of 2 grey levels of noise, for want of a residual.
 inline constexpr double kMismatch = 1.5;
 // A track's error lasts for many frames, and the estimators take it for new in each: by the NEES of

@@ -55,7 +55,7 @@ def simulate(scenario, seed=1, output=None, force=False, **settings):
 
 def run(sequence, estimator, output, force=False, **settings):
     """Runs an estimator of the program, or `python:FILE.py:Class`, on a sequence's folder, and returns the Run. Keys with
-    dots are given as **{"window.frames": 5}. `force` replaces an earlier run in `output`. A run that diverged is returned
+    dots are given as ``**{"window.frames": 5}``. `force` replaces an earlier run in `output`. A run that diverged is returned
     as far as it went."""
     slammot("run", sequence, "--estimator", estimator, *_settings("--set", settings), "--output", output, *_force(force),
             diverged=True)

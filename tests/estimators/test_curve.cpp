@@ -144,7 +144,6 @@ struct Outcome {
 Outcome outcome(const Sequence& sequence, const std::string& estimator, bool adaptive) {
   Configuration configuration;
   configuration.model.adaptive_motion = adaptive;
-  // docs/consistency.md, "Movers and the camera", has both.
   configuration.model.policy.movers = Movers::kJoint;
   const RunResult run = run_estimator(sequence, configuration, estimator);
   Outcome result;

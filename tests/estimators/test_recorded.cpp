@@ -97,7 +97,7 @@ TEST(Synth19, TheEkfReachesItsAuthorsFiguresAndTheWindowIsBetterOverNoiseSeeds) 
   EXPECT_LT(window.position_nees, ekf.position_nees);
 }
 
-// The window is worse than with rho0 stated (docs/recordings.md), but no worse than the author's
+// The window is worse than with rho0 stated, but no worse than the author's
 // program, which is given rho0.
 TEST(Synth19, BothReachItsAuthorsFiguresWhereNoDepthsAreStated) {
   if (!std::filesystem::exists(kData / "synth19_1px")) GTEST_SKIP() << "no " << kData;

@@ -1,5 +1,5 @@
 // A parametrisation of a point, as docs/extending.md adds one: what stands between the `example`
-// and `end` lines is quoted there, and that it compiles is half the test.
+// and `end` lines is named there, and that it compiles is half the test.
 #include <gtest/gtest.h>
 
 #include <random>

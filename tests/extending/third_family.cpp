@@ -119,7 +119,7 @@ class Unscented final : public Belief {
     for (const Pixel& pixel : aside) correct_own(pixel.z, pixel.rows);
   }
 
-  // With a = S^-1 nu and B = S^-1 it is a_i' B_ii^-1 a_i (docs/mathematics.md).
+  // With a = S^-1 nu and B = S^-1 it is a_i' B_ii^-1 a_i (docs/filter.md).
   void leave_one_out(std::vector<LeaveOneOut>& result) override {
     result.clear();
     const MatrixXd B = S_.inverse();

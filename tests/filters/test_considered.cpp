@@ -96,7 +96,7 @@ double mean_nees(std::uint64_t seed, Movers movers) {
   return mean_pose_nees(*ekf, sequence);
 }
 
-// The seeds are the first there are. On 50 others: docs/consistency.md, "Movers and the camera".
+// The seeds are the first there are. On others: eval/studies/circle_consistency.yaml.
 TEST(Considered, MakesTheCameraMoreConsistent) {
   constexpr int kSeeds = 2;
   double ratio = 1.0;

@@ -357,7 +357,7 @@ TEST(ScaleOfTheMap, IsKeptWithOneIterationOfTheStandardLinearisationOnly) {
 }
 
 // With landmarks known at the start the scale drifts once they have left. The seeds are the first
-// there are; on others: docs/consistency.md, "The scale that drifts".
+// there are; on others: eval/studies/devices.yaml.
 TEST(ScaleOfTheMap, MakesTheCameraMoreConsistentAfterTheKnownHaveLeft) {
   constexpr int kSeeds = 2;
   double ratio = 1.0;

@@ -1,5 +1,5 @@
 // A recorded sequence with a board that fixes the scale, where it is present: from its images to
-// metres, without alignment, as docs/recordings.md has it.
+// metres, without alignment (docs/recordings.md).
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -56,7 +56,7 @@ double path_of(const Sequence& sequence) {
 }
 
 // A car, and a camera that is jolted: one configuration, in which camera and first velocity are all
-// that is stated. Bars: what docs/recordings.md has, and half as much again, since OpenCV's tracks
+// that is stated. Bars: what was measured, and half as much again, since OpenCV's tracks
 // differ from machine to machine.
 TEST(Recorded, OneConfigurationIsEnoughForACarAndAHand) {
   struct Recording {

@@ -1,0 +1,209 @@
+"""The pages (README.md, docs/*.md) keep what they promise. `test_pages.py --words` prints the words of each.
+
+- Figures: no commit hash; no table with a decimal figure, and no measured quantity in prose, outside what stands between
+  `<!-- results: NAME/FILE -->` and `<!-- end -->`, which scripts/results fills.
+- Reading: no sentence above 40 words; all pages together below 22,000.
+- Truth: links, anchors, pictures, paths of the tree, configuration keys and studies that a page names exist.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+LINKED = [*PAGES, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
+MOST_WORDS_OF_ALL = 22000
+MOST_WORDS_OF_A_SENTENCE = 40
+
+RESULTS = re.compile(r"(<!-- results: (?P<study>[\w-]+)/(?P<file>[\w.-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
+CONSOLE = re.compile(r"(^```console\n)(.*?)(^```\n)", re.MULTILINE | re.DOTALL)
+FENCED = re.compile(r"^```.*?^```\n", re.MULTILINE | re.DOTALL)
+CODE = re.compile(r"`[^`]*`")
+FOLDERS = "apps|bench|cmake|codecs|datasets|docs|estimation|eval|examples|filters|frontend|models|python|scripts|smoothers|tests"
+OF_EXAMPLES = {"classifier.speed"}  # a key of examples/extension/
+TO_COME = {"scripts/results"}
+FAMILIES = "gate|classifier|labels|policy|motion|prior|frames|ekf|window"
+
+
+def text_of(page):
+    """A page without what scripts/results and scripts/tutorial put there."""
+    def commands(block):
+        return block[1] + "".join(line for line in block[2].splitlines(True) if line.startswith("$ ")) + block[3]
+
+    return CONSOLE.sub(commands, RESULTS.sub(r"\1\4", page.read_text(encoding="utf-8")))
+
+
+def is_indented_code(line, before):
+    return line.startswith("    ") and not re.match(r"\s*([-*]|\d+\.) ", before) and not before.startswith("  ")
+
+
+def prose_of(text):
+    """Paragraphs, items and cells of tables, without code."""
+    blocks, current, code, last = [], [], False, ""
+    for line in FENCED.sub("\n", text).splitlines() + [""]:
+        starts_code = not last.strip() and re.match(r" {4,}", line)
+        code = bool(starts_code) or (code and (line.startswith("    ") or not line.strip()))
+        last = line
+        is_new = not line.strip() or line.startswith(("#", "|", "!", "<!--")) or re.match(r"\s*([-*]|\d+\.) ", line)
+        if (is_new or code) and current:
+            blocks.append(" ".join(current))
+            current = []
+        if code or not line.strip() or line.startswith(("#", "!", "<!--")):
+            continue
+        if line.startswith("|"):
+            cells = re.split(r"(?<!\\)\|", CODE.sub("", line))  # of names in code a cell may have many
+            blocks += [cell.strip() for cell in cells if cell.strip("-: ")]
+        else:
+            current.append(line.strip())
+    return blocks
+
+
+def sentences_of(text):
+    for block in prose_of(text):
+        block = re.sub(r" \[[\w/.]+\.(h|cpp|py)(, [\w/.]+)*\]", "", block)
+        block = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", CODE.sub("CODE", block)).replace("et al.", "et al")
+        yield from re.split(r"(?<=[.!?])[\"')*_]*\s+(?=[A-Z*\[(\"0-9])", block)
+
+
+def words_of(text):
+    return sum(1 for token in text.split() if re.search(r"\w", token))
+
+
+def tables_of(text):
+    """Of each table its heading and its rows."""
+    lines = FENCED.sub("", text).splitlines()
+    for i, line in enumerate(lines):
+        if re.match(r"\|[-| :]+\|$", line) and i > 0:
+            rows = []
+            for row in lines[i + 1:]:
+                if not row.startswith("|"):
+                    break
+                rows.append(row)
+            yield lines[i - 1], rows
+
+
+def slugs_of(page):
+    """Anchors as GitHub makes them of headings."""
+    slugs = set()
+    for heading in re.findall(r"^#+ (.*)$", FENCED.sub("", page.read_text(encoding="utf-8")), re.MULTILINE):
+        plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).replace("`", "")
+        slugs.add(re.sub(r"[^\w\- ]", "", plain.lower()).replace(" ", "-"))
+    return slugs
+
+
+def is_commit(word):
+    done = subprocess.run(["git", "-C", ROOT, "cat-file", "-e", word + "^{commit}"], capture_output=True, check=False)
+    return done.returncode == 0
+
+
+class Pages(unittest.TestCase):
+    def each(self, faults_of):
+        """Of all pages, so that one run shows all faults."""
+        faults = [f"{page.relative_to(ROOT)}: {fault}" for page in PAGES for fault in faults_of(page)]
+        self.assertFalse(faults, "\n" + "\n".join(faults))
+
+
+class Figures(Pages):
+    def test_no_commit(self):
+        def commits(page):
+            for word in re.findall(r"\b[0-9a-f]{7,40}\b", text_of(page)):
+                if (re.search("[0-9]", word) and re.search("[a-f]", word)) or is_commit(word):
+                    yield f"{word} is a commit"
+
+        self.each(commits)
+
+    def test_no_table_of_figures(self):
+        """Settings stand in code, formulas under a heading with [calc], thresholds under that word. (3.1), 2.1.1, table
+        4.1 are places in the thesis."""
+        place = re.compile(r"\(\d\.\d\)|\b\d\.\d\.\d\b|\b(tables?|figures?) \d\.\d[a-d]?|\(?\d\.\d[a-d]\)?")
+
+        def measured(page):
+            for heading, rows in tables_of(text_of(page)):
+                if "[calc]" not in heading and "threshold" not in heading:
+                    yield from (row for row in rows if re.search(r"\b\d+\.\d+", place.sub("", CODE.sub("", row))))
+
+        self.each(measured)
+
+    def test_no_measured_quantity_in_prose(self):
+        """What a study finds has decimals and a unit. Settings stand in code; [calc] and "thesis" say where others are
+        from."""
+        quantity = re.compile(r"\b\d+\.\d+ ?(m|mm|cm|ms|s|deg|degrees|%|MB|frames/s)(?![\w/^])")
+        self.each(lambda page: (s for s in sentences_of(text_of(page))
+                                if quantity.search(s) and "[calc]" not in s and "thesis" not in s.lower()))
+
+    def test_results_are_of_studies(self):
+        def blocks(page):
+            text = page.read_text(encoding="utf-8")
+            if text.count("<!-- results:") != len(RESULTS.findall(text)):
+                yield "a block of results does not end"
+            for match in RESULTS.finditer(text):
+                if not (ROOT / "eval/studies" / f"{match['study']}.yaml").exists():
+                    yield f"results of {match['study']}, which is no study"
+
+        self.each(blocks)
+
+
+class Reading(Pages):
+    def test_sentences(self):
+        self.each(lambda page: (f"{words_of(s)} words: {s}" for s in sentences_of(text_of(page))
+                                if words_of(s) > MOST_WORDS_OF_A_SENTENCE))
+
+    def test_words(self):
+        words = {str(page.relative_to(ROOT)): words_of(text_of(page)) for page in PAGES}
+        print("words: " + ", ".join(f"{name} {n}" for name, n in words.items()) + f"; all {sum(words.values())}")
+        self.assertLess(sum(words.values()), MOST_WORDS_OF_ALL)
+
+
+class Truth(Pages):
+    def test_links(self):
+        faults = []
+        for page in LINKED:
+            text = CODE.sub("", FENCED.sub("", page.read_text(encoding="utf-8")))
+            for target in re.findall(r"\]\(([\w./:#-]+)\)", text):
+                if re.match(r"https?:", target):
+                    continue
+                name, _, anchor = target.partition("#")
+                file = (page.parent / name).resolve() if name else page
+                if not file.exists() or (anchor and anchor not in slugs_of(file)):
+                    faults.append(f"{page.relative_to(ROOT)}: {target}")
+        self.assertEqual(faults, [])
+
+    def test_all_pages_are_listed(self):
+        index = (ROOT / "docs/README.md").read_text(encoding="utf-8")
+        missing = [page.name for page in PAGES[1:] if page.name != "README.md" and f"({page.name})" not in index]
+        self.assertEqual(missing, [])
+
+    def test_paths(self):
+        def missing(page):
+            for path in re.findall(rf"(?<![\w/.$:<-])((?:{FOLDERS})/[\w./-]*(?:\{{[\w,]+\}})?)", text_of(page)):
+                alternatives = re.search(r"\{([\w,]+)\}$", path)
+                stem = path[:alternatives.start()] if alternatives else path.rstrip(".")
+                for end in alternatives[1].split(",") if alternatives else [""]:
+                    if "NAME" not in path and stem + end not in TO_COME and not (ROOT / (stem + end)).exists():
+                        yield stem + end
+
+        self.each(missing)
+
+    def test_keys(self):
+        known = set(re.findall(r'"([\w.]+)"', (ROOT / "eval/configuration/configuration_keys.cpp").read_text(encoding="utf-8")))
+        files = {".h", ".cpp", ".csv", ".md", ".yaml", ".json", ".py"}
+
+        def unknown(page):
+            for key in re.findall(rf"(?<![\w./])(?:{FAMILIES})\.[a-z][a-z_]*(?![\w.(])", text_of(page)):
+                if pathlib.Path(key).suffix not in files and key not in known | OF_EXAMPLES:
+                    yield f"{key} is no configuration key"
+
+        self.each(unknown)
+
+    def test_studies(self):
+        studies = {file.stem for file in (ROOT / "eval/studies").glob("*.yaml")}
+        named = re.compile(r"eval/studies/([a-z0-9_]+)\.yaml|scripts/results ([a-z0-9_]+)")
+        self.each(lambda page: (f"no study {a or b}" for a, b in named.findall(text_of(page)) if (a or b) not in studies))
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["--words"]:
+        sys.argv[1:] = ["Reading.test_words"]
+    unittest.main()
