@@ -23,7 +23,6 @@ FENCED = re.compile(r"^```.*?^```\n", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"`[^`]*`")
 FOLDERS = "apps|bench|cmake|codecs|datasets|docs|estimation|eval|examples|filters|frontend|models|python|scripts|smoothers|tests"
 OF_EXAMPLES = {"classifier.speed"}  # a key of examples/extension/
-TO_COME = {"scripts/results"}
 FAMILIES = "gate|classifier|labels|policy|motion|prior|frames|ekf|window"
 
 
@@ -181,7 +180,7 @@ class Truth(Pages):
                 alternatives = re.search(r"\{([\w,]+)\}$", path)
                 stem = path[:alternatives.start()] if alternatives else path.rstrip(".")
                 for end in alternatives[1].split(",") if alternatives else [""]:
-                    if "NAME" not in path and stem + end not in TO_COME and not (ROOT / (stem + end)).exists():
+                    if "NAME" not in path and not (ROOT / (stem + end)).exists():
                         yield stem + end
 
         self.each(missing)
