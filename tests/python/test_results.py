@@ -92,7 +92,7 @@ class Repository(unittest.TestCase):
         self.assertEqual(results.fill(self.root), [page])
         self.assertEqual(page.read_text(), "before\n\n<!-- results: a/table.md -->\n\n| a |\n\n<!-- end -->\nafter\n")
         self.assertEqual(results.fill(self.root), [])
-        for text, reason in (("<!-- results: b/table.md --><!-- end -->", "results/b/table.md is not recorded"), ("<!-- results: a/table.md -->", "no <!-- end -->"),
+        for text, reason in (("<!-- results: c/table.md --><!-- end -->", "results/c/table.md is not recorded"), ("<!-- results: a/table.md -->", "no <!-- end -->"),
                              ("<!-- results: ../README.md --><!-- end -->", "is not recorded")):
             self.write("docs/page.md", text)
             with self.assertRaisesRegex(results.Refused, reason):
