@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "models/points/scale.h"
+
 namespace slammot {
 
 namespace {
@@ -30,9 +32,7 @@ GaugeError::Directions GaugeError::directions(const FilterLandmark& landmark) co
     }
     return N;
   }
-  const PointRay ray = functions_.point.ray(landmark.y);
-  const Matrix34d J = functions_.point.of_jacobian(ray.direction, ray.inverse_depth);
-  N.topRows<3>() = -ray.inverse_depth * J.col(3);
+  N.topRows<3>() = along_scale(functions_.point, landmark.y);
   if (landmark.is_free() && functions_.motion_in_metres) N.bottomRows(motion) = landmark.w;
   return N;
 }

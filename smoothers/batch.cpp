@@ -2,7 +2,7 @@
 
 #include "estimation/loop/frame_loop.h"
 #include "smoothers/graph/least_noise.h"
-#include "smoothers/graph/noise_scale.h"
+#include "smoothers/scale/noise_scale.h"
 #include "smoothers/solver/ceres_solve.h"
 #include "smoothers/window/window.h"
 

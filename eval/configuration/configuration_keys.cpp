@@ -235,7 +235,8 @@ std::vector<ConfigurationKey> statement_keys() {
       option<PriorSpread>(
           "prior.spread",
           "sigma_rho of a landmark as its estimated mean is corrected: fixed or relative to it; "
-          "auto: relative where the sequence states no depths, or a mean_sigma; relative also "
+          "auto: relative where no landmark is known, or no depths are stated, or a mean_sigma; "
+          "relative also "
           "takes a smoother's camera noise in units of its speed where no landmark is known",
           listed(kPriorSpreads), SLAMMOT_FIELD(prior.spread)),
       number(

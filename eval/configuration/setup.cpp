@@ -86,7 +86,8 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& came
   prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
   const bool learns =
       learns_depths(configuration.model.depth_prior, camera, !sequence.known.empty());
-  const bool depths_are_known = is_given && prior.mean_sigma == 0.0;
+  // Where no landmark is known, a spread in 1/m would tell a smoother the scale, and a filter not.
+  const bool depths_are_known = is_given && prior.mean_sigma == 0.0 && !sequence.known.empty();
   prior.mean_sigma =
       overrides.mean_sigma.value_or(mean_sigma(prior, learns, is_given, of_known.has_value()));
   prior.spread_follows_mean = overrides.spread == PriorSpread::kAuto

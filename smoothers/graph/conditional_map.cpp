@@ -58,8 +58,7 @@ std::vector<int> ConditionalMap::rows(const std::vector<VariableId>& ids, bool i
   return rows;
 }
 
-SmallVector ConditionalMap::value(VariableId id, const Eigen::VectorXd& d) const {
-  const Place& place = places_.at(id);
+Eigen::Vector3d ConditionalMap::z_of(const Place& place, const Eigen::VectorXd& d) const {
   if (!place.is_far) {
     return near_.mean.segment<kDim>(place.row) + near_.K.middleRows<kDim>(place.row) * d;
   }
@@ -68,11 +67,34 @@ SmallVector ConditionalMap::value(VariableId id, const Eigen::VectorXd& d) const
          far_.K.middleRows<kDim>(place.row).leftCols(stem.size()) * stem;
 }
 
-void ConditionalMap::values(const Eigen::VectorXd& d, Values& result) const {
+Eigen::Vector3d ConditionalMap::grow(const Place& place, const Eigen::Vector3d& z,
+                                     double lambda) const {
+  const double gamma = scale_ - place.scale + lambda;
+  if (place.orbit.kind == ScaleOrbit::Kind::kNone || gamma == 0.0) return z;
+  return place.orbit.at(z - gamma * place.n0, gamma);
+}
+
+ConditionalMap::Grown ConditionalMap::grown(const Place& place, const Eigen::Vector3d& z,
+                                            double lambda) const {
+  const double gamma = scale_ - place.scale + lambda;
+  Grown at;
+  at.x = grow(place, z, lambda);
+  at.M = place.orbit.jacobian(z - gamma * place.n0, gamma);
+  at.of_scale = place.orbit.direction(at.x) - at.M * place.n0;
+  return at;
+}
+
+SmallVector ConditionalMap::value(VariableId id, const ScaleChart& b) const {
+  const Place& place = places_.at(id);
+  return grow(place, z_of(place, b.difference()), b.lambda());
+}
+
+void ConditionalMap::values(const ScaleChart& b, Values& result) const {
   result.map_ = this;
+  result.lambda_ = b.lambda();
   if (empty()) return;
   result.near_ = near_.mean;
-  result.near_.noalias() += near_.K * d;
+  result.near_.noalias() += near_.K * b.difference();
   if (stem_.empty()) return;
   const Eigen::VectorXd stem = result.near_(stem_);
   result.far_ = far_.mean;
@@ -81,10 +103,11 @@ void ConditionalMap::values(const Eigen::VectorXd& d, Values& result) const {
 
 Eigen::Vector3d ConditionalMap::Values::operator[](VariableId id) const {
   const Place& place = map_->places_.at(id);
-  return (place.is_far ? far_ : near_).segment<kDim>(place.row);
+  return map_->grow(place, (place.is_far ? far_ : near_).segment<kDim>(place.row), lambda_);
 }
 
-Eigen::MatrixXd ConditionalMap::gain(const std::vector<VariableId>& ids) const {
+Eigen::MatrixXd ConditionalMap::gain(const std::vector<VariableId>& ids,
+                                     const ScaleChart& b) const {
   Eigen::MatrixXd K(kDim * std::ssize(ids), near_.K.cols());
   Eigen::Index row = 0;
   for (const VariableId id : ids) {
@@ -98,10 +121,34 @@ Eigen::MatrixXd ConditionalMap::gain(const std::vector<VariableId>& ids) const {
     }
     row += kDim;
   }
+  b.apply(K);
+  if (!b.keeps_scale()) return K;
+  row = 0;
+  for (const VariableId id : ids) {
+    const Place& place = places_.at(id);
+    const Grown at = grown(place, z_of(place, b.difference()), b.lambda());
+    auto own = K.middleRows<kDim>(row);
+    own = (at.M * own).eval();
+    own.noalias() += at.of_scale * b.gradient().transpose();
+    row += kDim;
+  }
   return K;
 }
 
-// With A = d(x)/d(near): A Sigma_near A', and of far variables their own.
+// P := M P M', P being of z.
+void ConditionalMap::turn(const std::vector<VariableId>& ids, Eigen::MatrixXd& P) const {
+  Eigen::Index row = 0;
+  for (const VariableId id : ids) {
+    const Place& place = places_.at(id);
+    const Eigen::VectorXd d = Eigen::VectorXd::Zero(near_.K.cols());
+    const Eigen::Matrix3d M = grown(place, z_of(place, d), 0.0).M;
+    P.middleRows<kDim>(row) = (M * P.middleRows<kDim>(row)).eval();
+    P.middleCols<kDim>(row) = (P.middleCols<kDim>(row) * M.transpose()).eval();
+    row += kDim;
+  }
+}
+
+// With A = dz/d(near): A Sigma_near A', and of far variables their own.
 Eigen::MatrixXd ConditionalMap::covariance(const std::vector<VariableId>& ids) const {
   const Eigen::Index n = kDim * std::ssize(ids);
   std::vector<int> used = stem_;
@@ -128,16 +175,19 @@ Eigen::MatrixXd ConditionalMap::covariance(const std::vector<VariableId>& ids) c
     row += kDim;
   }
   Eigen::MatrixXd P = A * near_.covariance(used, used) * A.transpose();
-  if (far_rows.empty()) return P;
-  const Eigen::MatrixXd late = pending_(far_rows, Eigen::seqN(0, pending_cols_));
-  const Eigen::MatrixXd own = far_.covariance(far_rows, far_rows) - late * late.transpose();
-  P(far_at, far_at) += own;
+  if (!far_rows.empty()) {
+    const Eigen::MatrixXd late = pending_(far_rows, Eigen::seqN(0, pending_cols_));
+    const Eigen::MatrixXd own = far_.covariance(far_rows, far_rows) - late * late.transpose();
+    P(far_at, far_at) += own;
+  }
+  if (keeps_scale_) turn(ids, P);
   return P;
 }
 
 void ConditionalMap::deactivate(const Variable& variable, Eigen::Index column) {
   const int row = near_.add(kDim);
-  places_[variable.id] = {false, row};
+  places_[variable.id] = {false, row, variable.orbit, variable.orbit.direction(variable.value),
+                          scale_};
   near_.mean.segment<kDim>(row) = variable.value;
   near_.K.block<kDim, kDim>(row, column).setIdentity();
 }
@@ -153,7 +203,7 @@ void ConditionalMap::forget(const std::vector<VariableId>& ids) {
     if (place.is_far) pending_.middleRows<kDim>(place.row).setZero();
     level.vacant.push_back(place.row);
   }
-  if (places_.empty()) *this = {};
+  if (places_.empty()) *this = ConditionalMap(keeps_scale_);
 }
 
 void ConditionalMap::eliminate(const std::vector<int>& columns, const Eigen::MatrixXd& T,
@@ -183,37 +233,56 @@ void ConditionalMap::eliminate(const std::vector<int>& columns, const Eigen::Mat
   if (landmarks - std::ssize(stem_) > std::max<Eigen::Index>(rest, kMoreRows)) fold();
 }
 
-// The same within near.
-ConditionalMap::Reactivated ConditionalMap::reactivate(const std::vector<VariableId>& ids) {
+// The same within near. With d(x) = M e + K d(b) of those that return, e is M^-1 (d(x) - K d(b)),
+// and the others have the gain X on it.
+ConditionalMap::Reactivated ConditionalMap::reactivate(const std::vector<VariableId>& ids,
+                                                       const ScaleChart& b0) {
   lift(ids);
   const std::vector<int> p = rows(ids, false);
   const auto n = static_cast<Eigen::Index>(p.size());
   Reactivated back{near_.mean(p), near_.K(p, Eigen::all), {}};
-  const Eigen::LLT<Eigen::MatrixXd> of_covariance(near_.covariance(p, p));
-  const Eigen::LLT<Eigen::MatrixXd> of_information(
-      of_covariance.solve(Eigen::MatrixXd::Identity(n, n)));
+  Eigen::MatrixXd P = near_.covariance(p, p), M = Eigen::MatrixXd::Identity(n, n);
+  Eigen::MatrixXd z_mean = back.mean, z_K = back.K;
+  for (std::size_t i = 0; i < ids.size() && b0.keeps_scale(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i) * kDim;
+    const Grown at = grown(places_.at(ids[i]), back.mean.segment<kDim>(row), 0.0);
+    back.mean.segment<kDim>(row) = at.x;
+    M.block<kDim, kDim>(row, row) = at.M;
+    back.K.middleRows<kDim>(row) = at.M * z_K.middleRows<kDim>(row);
+    back.K.middleRows<kDim>(row).noalias() += at.of_scale * b0.gradient().transpose();
+  }
+  const Eigen::LLT<Eigen::MatrixXd> of_covariance(P);
+  const Eigen::LLT<Eigen::MatrixXd> of_information(M * P * M.transpose());
   if (of_covariance.info() != Eigen::Success || of_information.info() != Eigen::Success) {
     throw Diverged("the covariance of a landmark that returns is not positive definite");
   }
-  back.U = of_information.matrixU();
+  const Eigen::LLT<Eigen::MatrixXd> upper(of_information.solve(Eigen::MatrixXd::Identity(n, n)));
+  if (upper.info() != Eigen::Success) {
+    throw Diverged("the covariance of a landmark that returns is not positive definite");
+  }
+  back.U = upper.matrixU();
   Eigen::MatrixXd X = near_.covariance(indices(near_.mean.size()), p);
   forget_rows(ids);
   for (const int row : p) X.row(row).setZero();
   of_covariance.matrixU().solveInPlace<Eigen::OnTheRight>(X);
   near_.Sigma.selfadjointView<Eigen::Lower>().rankUpdate(X, -1.0);
   of_covariance.matrixL().solveInPlace<Eigen::OnTheRight>(X);
+  const Eigen::MatrixXd M_inverse = M.inverse();
+  X = (X * M_inverse).eval();
   Eigen::MatrixXd K(near_.mean.size(), n + near_.K.cols());
   K.leftCols(n) = X;
   K.rightCols(near_.K.cols()) = near_.K - X * back.K;
-  near_.K = std::move(K);
   // What is far goes on to depend on these: now on the active ones.
+  const Eigen::MatrixXd rest = z_K - M_inverse * back.K;
   for (Eigen::Index i = 0; i < n; ++i) {
     const int row = p[static_cast<std::size_t>(i)];
     if (std::ranges::find(stem_, row) == stem_.end()) continue;
-    near_.mean(row) = back.mean(i);
-    near_.K(row, i) = 1.0;
+    near_.mean(row) = z_mean(i);
+    K.row(row).head(n) = M_inverse.row(i);
+    K.row(row).tail(rest.cols()) = rest.row(i);
   }
-  if (empty()) *this = {};
+  near_.K = std::move(K);
+  if (empty()) *this = ConditionalMap(keeps_scale_);
   return back;
 }
 
@@ -227,18 +296,18 @@ void ConditionalMap::forget_rows(const std::vector<VariableId>& ids) {
   }
 }
 
-void ConditionalMap::relinearise(const MarginalPrior& prior) {
+void ConditionalMap::relinearise(const ScaleChart& b) {
   if (empty()) return;
-  near_.mean += near_.K * prior.difference();
-  prior.transport(near_.K);
+  near_.mean += near_.K * b.difference();
+  b.apply(near_.K);
+  scale_ += b.lambda();
 }
 
 void ConditionalMap::relinearise(const MarginalPrior& prior, int total) {
-  Eigen::MatrixXd K = std::move(near_.K);
+  if (!empty()) relinearise(prior.chart());
+  const Eigen::MatrixXd K = std::move(near_.K);
   near_.K.setZero(near_.mean.size(), total);
   if (empty()) return;
-  near_.mean.noalias() += K * prior.difference();
-  prior.transport(K);
   for (const MarginalPrior::Block& block : prior.blocks()) {
     if (block.variable->column < 0) continue;  // of a considered landmark: K is zero there
     near_.K.middleCols(block.variable->column, block.dim()) =

@@ -48,7 +48,8 @@ void ConditionalMap::fold() {
       near_rows.push_back(place.row + k);
       far_rows.push_back(row + k);
     }
-    place = {true, row};
+    place.is_far = true;
+    place.row = row;
   }
   of_stem.conservativeResizeLike(Eigen::MatrixXd::Zero(far_.mean.size(), stem));
   for (std::size_t i = 0; i < far_rows.size(); ++i) {
@@ -144,7 +145,8 @@ void ConditionalMap::lift(const std::vector<VariableId>& ids) {
   for (const VariableId id : ids) {
     Place& place = places_.at(id);
     if (!place.is_far) continue;
-    place = {false, *row};
+    place.is_far = false;
+    place.row = *row;
     row += kDim;
   }
 }

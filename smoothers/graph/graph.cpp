@@ -8,9 +8,13 @@ GraphCamera Graph::add_camera(const CameraState& x) {
   GraphCamera camera;
   Vector6d rates;
   rates << x.velocity, x.angular_velocity;
-  camera.position = variables.add(x.position, false, false).id;
+  Variable& position = variables.add(x.position, false, false);
+  position.orbit = {ScaleOrbit::Kind::kPosition, models_.centre};
+  camera.position = position.id;
   camera.orientation = variables.add(x.orientation.coeffs(), true, false).id;
-  camera.rates = variables.add(rates, false, false).id;
+  Variable& of_motion = variables.add(rates, false, false);
+  of_motion.orbit.kind = ScaleOrbit::Kind::kRates;
+  camera.rates = of_motion.id;
   return camera;
 }
 
@@ -63,7 +67,8 @@ void Graph::widen_newest_motion(double factor) {
 }
 
 void Graph::add_scene(const LandmarkPrior& prior) {
-  const Variable& mean = variables.add(SmallVector::Constant(1, prior.inverse_depth), false, false);
+  Variable& mean = variables.add(SmallVector::Constant(1, prior.inverse_depth), false, false);
+  mean.orbit.kind = ScaleOrbit::Kind::kInverse;
   scene = {mean.id, prior.inverse_depth, prior.mean_sigma, 0.0};
 }
 
@@ -78,7 +83,9 @@ LandmarkId Graph::add_landmark(VariableId anchor, const Eigen::Vector3d& y) {
   GraphLandmark& landmark = (*this)[id];
   landmark.is_alive = true;
   landmark.anchor = anchor;
-  landmark.y = variables.add(y, false, true).id;
+  Variable& of_point = variables.add(y, false, true);
+  of_point.orbit = {ScaleOrbit::Kind::kPoint, Eigen::Vector3d::Zero(), &models_.point()};
+  landmark.y = of_point.id;
   return id;
 }
 
@@ -97,7 +104,9 @@ void Graph::remove_landmark(LandmarkId id) {
 
 void Graph::free_landmark(LandmarkId id, const MotionVector& sigmas) {
   GraphLandmark& landmark = (*this)[id];
-  landmark.w = variables.add(SmallVector::Zero(sigmas.size()), false, true).id;
+  Variable& w = variables.add(SmallVector::Zero(sigmas.size()), false, true);
+  if (models_.landmark->motion_in_metres) w.orbit.kind = ScaleOrbit::Kind::kLength;
+  landmark.w = w.id;
   landmark.w_sigmas = sigmas;
 }
 
@@ -166,9 +175,9 @@ void Graph::add_pixel(LandmarkId id, const GraphCamera& camera, const Observatio
 
 void Graph::reactivate(const std::vector<VariableId>& ids) {
   if (ids.empty()) return;
-  const Eigen::VectorXd d = prior_.active.difference();
-  for (const VariableId id : ids) variables[id].value = prior_.inactive.value(id, d);
-  const auto back = prior_.inactive.reactivate(ids);
+  const ScaleChart& b = prior_.active.chart();
+  for (const VariableId id : ids) variables[id].value = prior_.inactive.value(id, b);
+  const auto back = prior_.inactive.reactivate(ids, prior_.active.chart_at_origin());
   std::vector<Variable*> returning;
   for (const VariableId id : ids) {
     variables[id].is_active = true;
@@ -179,7 +188,7 @@ void Graph::reactivate(const std::vector<VariableId>& ids) {
 
 SmallVector Graph::value(VariableId id) const {
   const Variable& v = variables[id];
-  return v.is_active ? v.value : prior_.inactive.value(id, prior_.active.difference());
+  return v.is_active ? v.value : prior_.inactive.value(id, prior_.active.chart());
 }
 
 LandmarkVector Graph::newest_state(const GraphLandmark& l) const {

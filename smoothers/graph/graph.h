@@ -63,7 +63,10 @@ class Graph {
  public:
   // `fixed_points`: Jacobians of variables that the prior holds stay where they were then.
   Graph(const GraphModels& models, bool fixed_points)
-      : models_(models), fixed_points_(fixed_points), prior_{MarginalPrior(fixed_points), {}} {}
+      : models_(models),
+        fixed_points_(fixed_points),
+        prior_{MarginalPrior(fixed_points, models.keeps_scale),
+               ConditionalMap(models.keeps_scale)} {}
 
   GraphCamera add_camera(const CameraState& x);
   CameraState camera(const GraphCamera& camera) const;
@@ -153,11 +156,13 @@ class Graph {
 
   const GraphModels& models() const { return models_; }
   bool fixed_points() const { return fixed_points_; }
+  bool keeps_scale() const { return models_.keeps_scale; }
 
   Variables variables;
   std::optional<InitialCameraFactor> initial;
   std::vector<CameraMotionFactor> motions;  // oldest first
   std::optional<ScenePrior> scene;
+  double speed_sigma = 0.0;  // of a camera in units of the map [m/s]; see noise_scale.h
   std::deque<GraphLandmark> landmarks;  // slots
   Prior& prior() { return prior_; }
   const Prior& prior() const { return prior_; }

@@ -2,26 +2,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace slammot {
-
-namespace {
-
-// A := A T, and A := T' A, where T is 3 x 3.
-void turn_columns(Eigen::Ref<Eigen::MatrixXd> A, const Eigen::Matrix3d& T) {
-  for (Eigen::Index i = 0; i < A.rows(); ++i) {
-    const Eigen::RowVector3d row = A.row(i).head<3>() * T;
-    A.row(i) = row;
-  }
-}
-void turn_rows(Eigen::Ref<Eigen::MatrixXd> A, const Eigen::Matrix3d& T) {
-  for (Eigen::Index j = 0; j < A.cols(); ++j) {
-    const Eigen::Vector3d column = T.transpose() * A.col(j).head<3>();
-    A.col(j) = column;
-  }
-}
-
-}  // namespace
 
 const MarginalPrior::Block* MarginalPrior::find(VariableId id) const {
   const auto found = std::find_if(blocks_.begin(), blocks_.end(),
@@ -29,14 +12,17 @@ const MarginalPrior::Block* MarginalPrior::find(VariableId id) const {
   return found == blocks_.end() ? nullptr : &*found;
 }
 
-const Eigen::VectorXd& MarginalPrior::difference(Field b) const {
-  difference_.resize(cols_);
-  for (const Block& block : blocks_) {
-    const Variable& v = *block.variable;
-    difference_.segment(block.offset, v.dim()) = minus(v.is_orientation, v.*b, block.x0);
-  }
-  return difference_;
+const ScaleChart& MarginalPrior::chart(Field b) const {
+  chart_.bend(blocks_, cols_, [&](std::size_t i) { return blocks_[i].variable->*b; });
+  return chart_;
 }
+
+const ScaleChart& MarginalPrior::chart_at_origin() const {
+  chart_.bend(blocks_, cols_, [&](std::size_t i) { return blocks_[i].x0; });
+  return chart_;
+}
+
+const Eigen::VectorXd& MarginalPrior::difference(Field b) const { return chart(b).difference(); }
 
 const Eigen::VectorXd& MarginalPrior::residual(Field b) const {
   residual_ = r_;
@@ -78,32 +64,37 @@ double MarginalPrior::own_square(const OwnRows& rows, Field b) const {
 }
 
 void MarginalPrior::fill_own(const OwnRows& rows, Eigen::Ref<Eigen::VectorXd> residual,
-                             Eigen::Ref<Eigen::MatrixXd> K) const {
-  const auto own = (*R_).middleRows(rows.first, rows.count);
+                             Eigen::MatrixXd& jacobian) const {
+  jacobian = (*R_).middleRows(rows.first, rows.count);
   residual = r_.segment(rows.first, rows.count);
-  residual.noalias() += own * difference();
-  Eigen::Index column = 0;
-  for (const Run& run : runs_) {
-    K.middleCols(column, run.dim) = own.middleCols(run.offset, run.dim);
-    if (run.turning) turn_columns(K.middleCols(column, run.dim), run.T);
-    column += run.dim;
-  }
+  residual.noalias() += jacobian * difference();
+  chart_.apply(jacobian);
 }
 
 double MarginalPrior::square(Field b) const { return cols_ > 0 ? residual(b).squaredNorm() : 0.0; }
 
 Eigen::MatrixXd MarginalPrior::jacobian() const {
   Eigen::MatrixXd J = *R_;
-  transport(J);
+  chart().apply(J);
   return J;
 }
 
-void MarginalPrior::transport(Eigen::Ref<Eigen::MatrixXd> A) const {
-  for (const Block& block : blocks_) {
-    if (!turns(block)) continue;
-    turn_columns(A.middleCols<3>(block.offset),
-                 slammot::transport(block.variable->value, block.x0));
+Eigen::VectorXd MarginalPrior::gradient() const {
+  Eigen::VectorXd g = (*R_).transpose() * residual();
+  chart_.apply_transposed(g);
+  return g;
+}
+
+// D n(b) = n(b0), if anything tells the scale.
+Eigen::Vector2d MarginalPrior::along_scale() const {
+  if (cols_ == 0) return Eigen::Vector2d::Zero();
+  const Eigen::VectorXd& r = residual();
+  Eigen::VectorXd n = Eigen::VectorXd::Zero(cols_);
+  for (const Block& b : blocks_) {
+    if (!b.variable->is_own) n.segment(b.offset, b.dim()) = b.variable->orbit.direction(b.x0);
   }
+  const Eigen::VectorXd Jn = *R_ * n;
+  return {Jn.squaredNorm(), Jn.dot(r)};
 }
 
 // By panels of columns; rows below the last that is not zero (R is a triangle) are left out.
@@ -131,15 +122,12 @@ void MarginalPrior::find_runs() const {
   runs_.clear();
   for (const Block& block : blocks_) {
     const int core = block.variable->core, dim = block.dim();
-    const bool turning = turns(block);
     if (block.variable->is_constrained || block.variable->is_own) continue;
-    if (!runs_.empty() && !turning && !runs_.back().turning &&
-        runs_.back().core + runs_.back().dim == core &&
+    if (!runs_.empty() && runs_.back().core + runs_.back().dim == core &&
         runs_.back().offset + runs_.back().dim == block.offset) {
       runs_.back().dim += dim;
     } else {
-      runs_.push_back({block.offset, core, dim, turning, Eigen::Matrix3d::Identity()});
-      if (turning) runs_.back().T = slammot::transport(block.variable->value, block.x0);
+      runs_.push_back({block.offset, core, dim});
     }
   }
 }
@@ -149,72 +137,56 @@ void MarginalPrior::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::Vect
   if (cols_ == 0) return;
   compute_gram();
   find_runs();
-  residual();
-  gradient_.noalias() = (*R_).transpose() * residual_;
-  const auto gram = *gram_;
+  gradient_ = gradient();
+  linear_ = chart_;
+  bent_.resize(cols_, cols_);
+  auto bent = *bent_;
+  bent = (*gram_).selfadjointView<Eigen::Lower>();
+  linear_.bend_gram(bent);
   for (std::size_t j = 0; j < runs_.size(); ++j) {
     const Run& b = runs_[j];
-    if (b.turning) {
-      g.segment<3>(b.core) += b.T.transpose() * gradient_.segment<3>(b.offset);
-    } else {
-      g.segment(b.core, b.dim) += gradient_.segment(b.offset, b.dim);
-    }
+    g.segment(b.core, b.dim) += gradient_.segment(b.offset, b.dim);
     for (std::size_t i = j; i < runs_.size(); ++i) {
       const Run& a = runs_[i];
-      const auto block = gram.block(a.offset, b.offset, a.dim, b.dim);
-      if (!a.turning && !b.turning) {
-        if (a.core >= b.core) {
-          H.block(a.core, b.core, a.dim, b.dim) += block;
-        } else {
-          H.block(b.core, a.core, b.dim, a.dim) += block.transpose();
-        }
-        continue;
-      }
-      turned_.resize(a.dim, b.dim);
-      auto turned = *turned_;
-      turned = block;
-      if (i == j) {
-        turned.triangularView<Eigen::StrictlyUpper>() = block.transpose();
-      }
-      if (b.turning) turn_columns(turned, b.T);
-      if (a.turning) turn_rows(turned, a.T);
+      const auto block = bent.block(a.offset, b.offset, a.dim, b.dim);
       if (a.core >= b.core) {
-        H.block(a.core, b.core, a.dim, b.dim) += turned;
+        H.block(a.core, b.core, a.dim, b.dim) += block;
       } else {
-        H.block(b.core, a.core, b.dim, a.dim) += turned.transpose();
+        H.block(b.core, a.core, b.dim, a.dim) += block.transpose();
       }
     }
   }
 }
 
-void MarginalPrior::add_constrained(VariableId id, const Eigen::VectorXd& residual,
-                                    Eigen::Ref<Eigen::MatrixXd> information,
-                                    Eigen::Ref<Eigen::MatrixXd> E,
-                                    Eigen::Ref<Eigen::VectorXd> gradient) const {
+void MarginalPrior::add_constrained(VariableId id, Eigen::Ref<Eigen::MatrixXd> information,
+                                    Eigen::Ref<Eigen::MatrixXd> E) const {
   const Block* block = find(id);
   if (!block) return;
-  compute_gram();
-  const auto gram = *gram_;
+  const auto bent = *std::as_const(bent_);
   const int offset = block->offset, dim = block->dim(), after = cols_ - offset - dim;
   Eigen::MatrixXd K(dim, cols_);
-  K.leftCols(offset) = gram.block(offset, 0, dim, offset);
+  K.leftCols(offset) = bent.block(offset, 0, dim, offset);
   K.middleCols(offset, dim) =
-      gram.block(offset, offset, dim, dim).selfadjointView<Eigen::Lower>().toDenseMatrix();
-  K.rightCols(after) = gram.block(offset + dim, offset, after, dim).transpose();
+      bent.block(offset, offset, dim, dim).selfadjointView<Eigen::Lower>().toDenseMatrix();
+  K.rightCols(after) = bent.block(offset + dim, offset, after, dim).transpose();
   information += K.middleCols(offset, dim);
-  gradient += (*R_).middleCols(offset, dim).transpose() * residual;
   add_transposed(K, E);
 }
 
 void MarginalPrior::add_transposed(const Eigen::MatrixXd& K, Eigen::Ref<Eigen::MatrixXd> E) const {
   for (const Run& run : runs_) {
-    const auto columns = K.middleCols(run.offset, run.dim).transpose();
-    if (run.turning) {
-      E.middleRows<3>(run.core) += run.T.transpose() * columns;
-    } else {
-      E.middleRows(run.core, run.dim) += columns;
-    }
+    E.middleRows(run.core, run.dim) += K.middleCols(run.offset, run.dim).transpose();
   }
+}
+
+void MarginalPrior::add_map_scale(Eigen::Ref<Eigen::VectorXd> c) const {
+  if (!linear_.keeps_scale() || linear_.gradient().size() != cols_) return;
+  Eigen::MatrixXd l = linear_.gradient().transpose();
+  for (const Block& b : blocks_) {
+    if (b.variable->orbit.kind == ScaleOrbit::Kind::kRates)
+      l.middleCols(b.offset, b.dim()).setZero();
+  }
+  add_transposed(l, c);
 }
 
 void MarginalPrior::set(const std::vector<Variable*>& variables,
@@ -234,20 +206,28 @@ void MarginalPrior::set(const std::vector<Variable*>& variables,
   }
   starts_.resize(static_cast<std::size_t>(R.rows()));
   std::iota(starts_.begin(), starts_.end(), 0);
+  if (!chart_.keeps_scale() || cols_ == 0) return;
+  compute_gram();
+  const auto gram = *std::as_const(gram_);
+  chart_.weigh(blocks_, [&](const Block& b) -> BlockMatrix {
+    return gram.block(b.offset, b.offset, b.dim(), b.dim()).selfadjointView<Eigen::Lower>();
+  });
 }
 
 void MarginalPrior::relinearise() {
   if (cols_ == 0) return;
   r_.noalias() += *R_ * difference();
-  transport(*R_);
+  chart_.apply(*R_);
   has_gram_ = false;
   for (Block& block : blocks_) {
     block.x0 = block.variable->value;
-    if (!turns(block)) continue;
-    for (int& start : starts_) {
+    for (int& start : starts_) {  // D mixes a block's columns
       if (start > block.offset && start < block.offset + block.dim()) start = block.offset;
     }
   }
+  for (int& start : starts_) start = std::min(start, chart_.first_told());
+  ScaleChart::normalise(blocks_);
+  if (chart_.keeps_scale()) linear_ = chart();
 }
 
 void MarginalPrior::condition_on_zero(VariableId id) {
@@ -263,10 +243,24 @@ void MarginalPrior::condition_on_zero(VariableId id) {
   for (int& start : starts_) {
     if (start > offset) start = std::max(offset, start - dim);
   }
-  for (Run& run : runs_) {  // a constrained variable has none
+  erase_linear(offset, dim);
+  for (auto later = blocks_.erase(k); later != blocks_.end(); ++later) later->offset -= dim;
+}
+
+// A constrained variable has no run.
+void MarginalPrior::erase_linear(int offset, int dim) {
+  for (Run& run : runs_) {
     if (run.offset > offset) run.offset -= dim;
   }
-  for (auto later = blocks_.erase(k); later != blocks_.end(); ++later) later->offset -= dim;
+  linear_.erase(offset, dim);
+  if (bent_.cols() != cols_ + dim) return;
+  const int after = cols_ - offset;
+  const Eigen::MatrixXd old = *bent_;
+  bent_.resize(cols_, cols_);
+  auto bent = *bent_;
+  bent.topLeftCorner(offset, offset) = old.topLeftCorner(offset, offset);
+  bent.bottomLeftCorner(after, offset) = old.bottomLeftCorner(after, offset);
+  bent.bottomRightCorner(after, after) = old.bottomRightCorner(after, after);
 }
 
 void MarginalPrior::join(const std::vector<Variable*>& variables, const Eigen::VectorXd& mean,

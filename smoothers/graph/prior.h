@@ -13,7 +13,7 @@ struct Prior {
 
   // Expresses the prior at the current estimate, to first order.
   void relinearise() {
-    inactive.relinearise(active);
+    inactive.relinearise(active.chart());
     active.relinearise();
   }
 
@@ -21,6 +21,7 @@ struct Prior {
   void condition_on_zero(VariableId id) {
     const MarginalPrior::Block* block = active.find(id);
     if (!block) return;
+    if (active.keeps_scale() && !block->x0.isZero(0.0)) relinearise();
     inactive.condition_on_zero(*block);
     active.condition_on_zero(id);
   }

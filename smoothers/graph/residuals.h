@@ -18,7 +18,9 @@ struct GraphModels {
   double pixel_sigma = 1.0;
   LandmarkPrior prior;  // of the acceleration noise
   const LandmarkFunctions* landmark = nullptr;
-  bool noise_tells_scale = true;  // see noise_scale.h
+  bool noise_tells_scale = true;                     // see noise_scale.h
+  bool keeps_scale = false;                          // see scale_chart.h; not with fixed points
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // the world grows about it (W) [m]
 
   const PointFunctions& point() const { return landmark->point; }
 };

@@ -6,10 +6,9 @@
 #include <optional>
 #include <vector>
 
-namespace slammot {
+#include "smoothers/graph/scale_orbit.h"
 
-inline constexpr int kMaxBlock = 12;  // numbers of a variable
-using SmallVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxBlock, 1>;
+namespace slammot {
 
 using VariableId = int;  // its slot
 
@@ -22,6 +21,8 @@ struct Variable {
   bool is_constrained = false;  // to its value: it has columns in the prior, but no step is taken
   bool is_own = false;          // a considered landmark's: not in the core, though in the prior
   bool is_alive = true;         // false: the slot is vacant
+  ScaleOrbit orbit;             // what a change of the world's scale does to it
+  bool tells_scale = false;     // y of a static landmark
   std::optional<SmallVector> linearisation_point;  // set: Jacobians are taken there, not at value
 
   // Of the solver: the correction last computed, the value it leads to, and the first row in the

@@ -249,7 +249,8 @@ class GaussianCost final : public ceres::CostFunction {
 // Of the core: considered landmarks have neither blocks nor rows.
 class MarginalPriorCost final : public ceres::CostFunction {
  public:
-  explicit MarginalPriorCost(const MarginalPrior& prior) : R_(prior.R()), r_(prior.r()) {
+  explicit MarginalPriorCost(const MarginalPrior& prior)
+      : R_(prior.R()), r_(prior.r()), blocks_(prior.blocks()), chart_(prior.chart()) {
     set_num_residuals(static_cast<int>(R_.rows()));
     for (const MarginalPrior::Block& b : prior.blocks()) {
       if (b.variable->is_own) {
@@ -258,32 +259,42 @@ class MarginalPriorCost final : public ceres::CostFunction {
         r_.segment(rows.first, rows.count).setZero();
         continue;
       }
-      blocks_.push_back(&b);
       mutable_parameter_block_sizes()->push_back(static_cast<int>(b.x0.size()));
     }
   }
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    Eigen::VectorXd d = Eigen::VectorXd::Zero(R_.cols());
-    for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      const MarginalPrior::Block& b = *blocks_[i];
-      const SmallVector value = Eigen::Map<const Eigen::VectorXd>(x[i], b.x0.size());
-      d.segment(b.offset, b.dim()) = minus(b.variable->is_orientation, value, b.x0);
-      const auto columns = R_.middleCols(b.offset, b.dim());
-      if (b.variable->is_orientation) {
-        write_orientation(jacobians, static_cast<int>(i), x[i],
-                          (columns * transport(value, b.x0)).eval());
-      } else {
-        write(jacobians, static_cast<int>(i), columns);
-      }
+    std::vector<SmallVector> b;
+    for (std::size_t i = 0, k = 0; i < blocks_.size(); ++i) {
+      const Variable& v = *blocks_[i].variable;
+      b.push_back(v.is_own
+                      ? v.value
+                      : SmallVector(Eigen::Map<const Eigen::VectorXd>(x[k++], v.value.size())));
     }
-    Eigen::Map<Eigen::VectorXd>(residuals, R_.rows()) = R_ * d + r_;
+    ScaleChart chart = chart_;
+    chart.bend(blocks_, static_cast<int>(R_.cols()), [&](std::size_t i) { return b[i]; });
+    Eigen::Map<Eigen::VectorXd>(residuals, R_.rows()) = R_ * chart.difference() + r_;
+    if (!jacobians) return true;
+    Eigen::MatrixXd J = R_;
+    chart.apply(J);
+    int k = 0;
+    for (const PriorBlock& block : blocks_) {
+      if (block.variable->is_own) continue;
+      const auto columns = J.middleCols(block.offset, block.dim());
+      if (block.variable->is_orientation) {
+        write_orientation(jacobians, k, x[k], columns.eval());
+      } else {
+        write(jacobians, k, columns);
+      }
+      ++k;
+    }
     return true;
   }
 
  private:
   Eigen::MatrixXd R_;
   Eigen::VectorXd r_;
-  std::vector<const MarginalPrior::Block*> blocks_;
+  std::vector<PriorBlock> blocks_;
+  ScaleChart chart_;
 };
 
 }  // namespace

@@ -148,15 +148,19 @@ void LandmarkBlock::fill_birth(const GraphLandmark& l) {
 void LandmarkBlock::fill_prior(const Graph& graph) {
   if (own_.count == 0) return;
   const MarginalPrior& prior = graph.prior().active;
-  const auto rows = prior.R().middleRows(own_.first, own_.count);
+  Eigen::MatrixXd rows;
+  prior.fill_own(own_, q_.tail(own_.count), rows);
   auto X = (*X_).bottomRows(own_.count);
   (*A_).bottomRows(own_.count).setZero();
   X.setZero();
   X.leftCols<3>() = rows.middleCols<3>(own_.y);
   if (own_.w >= 0) X.rightCols(states_ - 3) = rows.middleCols(own_.w, states_ - 3);
   (*T_).rightCols(own_.count).setZero();
-  prior.fill_own(own_, q_.tail(own_.count),
-                 (*S_).bottomRows(own_.count).rightCols(shared_cols_ - own_column_));
+  Eigen::Index column = own_column_;
+  for (const MarginalPrior::Run& run : prior.runs()) {
+    (*S_).bottomRows(own_.count).middleCols(column, run.dim) = rows.middleCols(run.offset, run.dim);
+    column += run.dim;
+  }
 }
 
 void LandmarkBlock::fill(const Graph& graph, const GraphLandmark& l) {

@@ -207,6 +207,9 @@ void Marginaliser::set_prior(Graph& graph, const Triangularise::Staircase& rows)
     r.segment(row, dim) = of.col(of.cols() - 1);
     row += dim;
   }
+  for (const GraphLandmark& l : graph.landmarks) {
+    if (l.is_alive) graph.variables[l.y].tells_scale = !l.is_free();
+  }
   order_.insert(order_.begin(), own_order_.begin(), own_order_.end());
   graph.prior().active.set(order_, R, r);
   graph.prior().inactive.add_independent(own);

@@ -44,7 +44,8 @@ void NormalEquations::columns_of(const Graph& graph, VariableId id,
     E.middleRows(v.core, v.dim()).diagonal().array() += 1.0;
     return;
   }
-  graph.prior().active.add_transposed(graph.prior().inactive.gain({id}), E);
+  graph.prior().active.add_transposed(
+      graph.prior().inactive.gain({id}, graph.prior().active.linear_chart()), E);
 }
 
 void NormalEquations::inactive_covariance(const Graph& graph, const GraphLandmark& l,

@@ -81,6 +81,7 @@ class NormalEquations {
 
   void place(Graph& graph);
   void factorise_core(const Graph& graph);
+  void compute_camera();
   void ask(const Graph& graph, LandmarkId id);
   void place_pieces(std::size_t first);
   void fill_columns(const Graph& graph, LandmarkId id);
@@ -89,7 +90,6 @@ class NormalEquations {
   const Piece& piece(int i) const { return pieces_[static_cast<std::size_t>(i)]; }
   void add_cameras(const Graph& graph);
   void add_blocks(const Graph& graph, double damping);
-  void compute_camera();
   void columns_of(const Graph& graph, VariableId id, Eigen::Ref<Eigen::MatrixXd> E) const;
   void state_columns(const Graph& graph, LandmarkId id, Eigen::Ref<Eigen::MatrixXd> E,
                      LandmarkMatrix& own) const;

@@ -23,7 +23,7 @@ void Marginals::constrained_motions(std::span<const int> tracks,
   result.clear();
   if (tracks.empty()) return;
   const LandmarkFunctions& functions = *graph_.models().landmark;
-  const Eigen::VectorXd& prior_residual = graph_.prior().active.residual();
+  const Eigen::VectorXd prior_gradient = graph_.prior().active.gradient();
   const Eigen::Index n = functions.motion;
   motion_columns_.resize(equations_.core_dim(), n * std::ssize(tracks));
   for (const int track : tracks) {
@@ -32,7 +32,7 @@ void Marginals::constrained_motions(std::span<const int> tracks,
     const Eigen::Index first = n * std::ssize(result);
     MotionBelief& motion = result.emplace_back();
     motion.track = track;
-    add_information(id, prior_residual, (*motion_columns_).middleCols(first, n), motion);
+    add_information(id, prior_gradient, (*motion_columns_).middleCols(first, n), motion);
   }
   auto columns = (*motion_columns_).leftCols(n * std::ssize(result));
   if (!result.empty()) equations_.whiten(columns);
@@ -53,7 +53,7 @@ void Marginals::constrained_motions(std::span<const int> tracks,
 }
 
 // As if the core were known, an information in `covariance` and a gradient in `w`; and D.
-void Marginals::add_information(LandmarkId id, const Eigen::VectorXd& prior_residual,
+void Marginals::add_information(LandmarkId id, const Eigen::VectorXd& prior_gradient,
                                 Eigen::Ref<Eigen::MatrixXd> of_core, MotionBelief& motion) {
   const GraphLandmark& l = graph_[id];
   const Eigen::Index n = graph_.models().landmark->motion;
@@ -71,7 +71,11 @@ void Marginals::add_information(LandmarkId id, const Eigen::VectorXd& prior_resi
   } else {
     equations_.block(id).weigh(*motion_rows_, of_core, own);
   }
-  graph_.prior().active.add_constrained(l.constrained->w, prior_residual, own, of_core, gradient);
+  const MarginalPrior& prior = graph_.prior().active;
+  prior.add_constrained(l.constrained->w, own, of_core);
+  if (const PriorBlock* w = prior.find(l.constrained->w)) {
+    gradient += prior_gradient.segment(w->offset, n);
+  }
   const MotionVector& sigmas = l.constrained->sigmas;
   if (sigmas.size() > 0) own.diagonal() += sigmas.cwiseAbs2().cwiseInverse();
   motion.covariance = own;

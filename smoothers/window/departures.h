@@ -3,9 +3,9 @@
 
 #include <span>
 
-#include "smoothers/graph/track_history.h"
 #include "smoothers/solver/marginalise.h"
 #include "smoothers/window/moving_landmark.h"
+#include "smoothers/window/track_history.h"
 
 namespace slammot {
 

@@ -38,6 +38,9 @@ class Marginals {
   // The newest camera of the last factorisation, in the coordinates of the estimate.
   CameraEstimate camera();
 
+  // Of a camera's speed, were the scale of the map known [m/s].
+  double speed_sigma(const GraphCamera& camera);
+
   // (y, 0) of a static one.
   LandmarkVector at_rest(const WindowLandmark& landmark) const;
 
@@ -62,7 +65,7 @@ class Marginals {
   void add_inactive(Eigen::Ref<Eigen::MatrixXd> HPHt) const;
 
   // constrained_motion.cpp
-  void add_information(LandmarkId id, const Eigen::VectorXd& prior_residual,
+  void add_information(LandmarkId id, const Eigen::VectorXd& prior_gradient,
                        Eigen::Ref<Eigen::MatrixXd> of_core, MotionBelief& motion);
 
   const Graph& graph_;

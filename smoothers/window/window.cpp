@@ -5,8 +5,9 @@
 #include "estimation/loop/frame_loop.h"
 #include "estimation/modules/label_revision.h"
 #include "models/points/initialisation.h"
-#include "smoothers/graph/noise_scale.h"
+#include "smoothers/scale/noise_scale.h"
 #include "smoothers/solver/ceres_solve.h"
+#include "smoothers/window/slide_along_scale.h"
 
 namespace slammot {
 namespace {
@@ -16,6 +17,12 @@ constexpr int kMostPoles = 3;
 
 constexpr int kCeresIterations = 1000;
 constexpr double kCeresTolerance = 1e-18;  // below rounding: until steps change nothing
+
+// Where every step is taken the window is to be the EKF without (docs/frame.md).
+bool keeps_scale(const Setup& setup, const WindowOptions& options) {
+  return setup.known.empty() && options.linearisation == WindowLinearisation::kStandard &&
+         options.iterations > 1;
+}
 
 bool has_fixed_points(const WindowOptions& options) {
   return options.linearisation == WindowLinearisation::kFej;
@@ -31,7 +38,8 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       remembers_(motion_memory(models, find_landmark(models.landmark, models.point)) > 0),
       functions_(find_landmark(models.landmark, models.point)),
       graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_,
-              options.solver == WindowSolver::kCeres || noise_tells_scale(setup)},
+              options.solver == WindowSolver::kCeres || noise_tells_scale(setup),
+              keeps_scale(setup, options), setup.initial.state.position},
              has_fixed_points(options)),
       cameras_(graph_),
       optimiser_(options.iterations == 1 ? StepRule::kEvery : StepRule::kDescent),
@@ -91,6 +99,7 @@ void Window::widen(double factor) {
 void Window::update(std::span<const Observation> accepted, std::span<const int> considered,
                     StageListener& stages) {
   stages.begin("marginalise");
+  if (graph_.keeps_scale()) graph_.linearise();
   departures_.marginalise(options_.frames, histories_);
   departures_.reactivate(measured_);
   stages.begin("update");
@@ -128,7 +137,11 @@ void Window::consider(const WindowLandmark& landmark, bool is_considered) {
 
 int Window::solve() {
   const int steps = minimise();
+  if (graph_.keeps_scale()) slide_along_scale(graph_);
   marginals_.start();
+  if (!graph_.motions.empty() && !graph_.models().noise_tells_scale) {
+    graph_.speed_sigma = marginals_.speed_sigma(graph_.motions.front().to);
+  }
   return steps;
 }
 
@@ -165,8 +178,10 @@ bool Window::leave_out_poles() {
   return any;
 }
 
-// Where a label has changed: from the stored linearisation.
+// Where a label has changed: from the stored linearisation. Where the scale is kept, that must be
+// at this estimate, or what is linearised elsewhere seems to tell the scale.
 void Window::take_step() {
+  if (graph_.keeps_scale()) graph_.linearise();
   graph_.prior().relinearise();
   optimiser_.take_step(graph_, cameras_.newest().camera);
   camera_ = marginals_.camera();
@@ -321,6 +336,8 @@ void Window::in_force(InForce& result) const {
                                                           : "landmarks known beforehand";
   state("scale kept by the camera noise (noise_scale.h)", "prior.spread",
         !graph_.models().noise_tells_scale, because, updated_);
+  // No key asks for it: it is on where no landmark is known and the window relinearises.
+  state("scale kept by the prior (scale_chart.h)", "", graph_.keeps_scale(), "", updated_);
 }
 
 int Window::state_size() const {
@@ -335,7 +352,7 @@ int Window::state_size() const {
 void Window::points(std::vector<LandmarkPoint>& result) {
   result.clear();
   const auto& [prior, inactive] = graph_.prior();
-  inactive.values(prior.difference(), inactive_values_);
+  inactive.values(prior.chart(), inactive_values_);
   const auto value = [&](VariableId id) -> Eigen::Vector3d {
     const Variable& v = graph_.variables[id];
     if (!v.is_active) return inactive_values_[id];

@@ -121,7 +121,10 @@ TEST_P(InactiveMap, WhileMotionsAreForgotten) {
   leaving.deactivated = {early.graph[Scene::kBrief].y};
   EXPECT_LT(test::change_by_marginalising(early, leaving), kExact);
   early.move();
-  EXPECT_GT(early.graph.prior().inactive.gain({early.graph[Scene::kBrief].y}).norm(), 1e-3);
+  EXPECT_GT(early.graph.prior()
+                .inactive.gain({early.graph[Scene::kBrief].y}, early.graph.prior().active.chart())
+                .norm(),
+            1e-3);
   leaving.clear();
   leaving.departures = {early.drop(Scene::kFreed), early.drop(Scene::kMoving)};
   EXPECT_LT(test::change_by_marginalising(early, leaving), kExact);
@@ -176,9 +179,10 @@ TEST(ConditionalMap, WhatHasNoCovarianceDoesNotReturn) {
   ConditionalMap map;
   Variable x;
   x.value = Eigen::Vector3d::Ones();
-  map.relinearise(MarginalPrior(false), 3);
+  const MarginalPrior prior(false);
+  map.relinearise(prior, 3);
   map.deactivate(x, 0);
-  EXPECT_THROW(map.reactivate({x.id}), Diverged);
+  EXPECT_THROW(map.reactivate({x.id}, prior.chart()), Diverged);
 }
 
 }  // namespace

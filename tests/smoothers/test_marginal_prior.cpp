@@ -104,11 +104,10 @@ TEST(MarginalPrior, NormalEquationsAreThoseOfResidualAndJacobian) {
     at.expect_normal_equations(J, r);  // from the Gram that has been kept
     EXPECT_NEAR(at.prior.active.square(), r.squaredNorm(), 1e-12 * r.squaredNorm());
     const Eigen::MatrixXd K = at.normals(2 * Moved::kDim).reshaped(2, Moved::kDim);
-    Eigen::MatrixXd KT = K, E = Eigen::MatrixXd::Ones(Moved::kCore, 2);
-    at.prior.active.transport(KT);
+    Eigen::MatrixXd E = Eigen::MatrixXd::Ones(Moved::kCore, 2);
     at.prior.active.add_transposed(K, E);
     E.array() -= 1.0;
-    EXPECT_LT((E.transpose() - KT * at.placed()).norm(), 1e-12 * K.norm());
+    EXPECT_LT((E.transpose() - K * at.placed()).norm(), 1e-12 * K.norm());
   }
 }
 
@@ -176,7 +175,7 @@ TEST(MarginalPrior, JoinedItIsTheProduct) {
   const Eigen::VectorXd mean = at.normals(3);
   const Eigen::MatrixXd K = at.normals(3 * Moved::kDim).reshaped(3, Moved::kDim);
   Eigen::MatrixXd U = at.normals(9).reshaped(3, 3).triangularView<Eigen::Upper>(), KT = K;
-  at.prior.active.transport(KT);
+  at.prior.active.chart().apply(KT);
   at.prior.active.join({&x}, mean, K, U);
   EXPECT_FALSE(x.is_private);
   EXPECT_EQ(at.prior.active.cols(), 3 + Moved::kDim);

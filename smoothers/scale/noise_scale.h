@@ -10,7 +10,8 @@
 //
 //   J_v1 := J_v1 - r v1' / (|v1|^2 + e^2),   of the linear part of r,
 //
-// e being the sigma of v1 in a step, below which no speed is known.
+// e being what is not known of the speed in units of the map (Graph::speed_sigma), below which
+// there is none.
 //
 // That is no Jacobian of a cost: what Ceres minimises (the batch, `window.solver=ceres`) keeps the
 // noise in metres.
@@ -26,10 +27,9 @@ inline bool noise_tells_scale(const Setup& setup) {
   return !setup.known.empty() || !setup.prior.spread_follows_mean;
 }
 
-// `weight` is L^-1, `velocity` v1, and `J_to` the 12 x 12 Jacobian of r with respect to x1.
-inline void leave_out_scale(const Matrix12d& weight, const Eigen::Vector3d& velocity,
-                            const Vector12d& r, Matrix12d& J_to) {
-  const double sigma = 1.0 / weight(kVelocity, kVelocity);
+// `velocity` is v1, `sigma` e, and `J_to` the 12 x 12 Jacobian of r with respect to x1.
+inline void leave_out_scale(const Eigen::Vector3d& velocity, double sigma, const Vector12d& r,
+                            Matrix12d& J_to) {
   const Eigen::RowVector3d of_scale =
       velocity.transpose() / (velocity.squaredNorm() + sigma * sigma);
   for (const int part : {kPosition, kVelocity}) {

@@ -1,4 +1,4 @@
-#include "smoothers/graph/track_history.h"
+#include "smoothers/window/track_history.h"
 
 #include <algorithm>
 
