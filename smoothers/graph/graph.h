@@ -162,7 +162,6 @@ class Graph {
   std::optional<InitialCameraFactor> initial;
   std::vector<CameraMotionFactor> motions;  // oldest first
   std::optional<ScenePrior> scene;
-  double speed_sigma = 0.0;  // of a camera in units of the map [m/s]; see noise_scale.h
   std::deque<GraphLandmark> landmarks;  // slots
   Prior& prior() { return prior_; }
   const Prior& prior() const { return prior_; }

@@ -32,7 +32,8 @@ void Graph::linearise(InitialCameraFactor& f) {
 void Graph::linearise(CameraMotionFactor& f) {
   const CameraState to = linearisation_point(f.to);
   f.r = camera_motion_residual(f.weight, f.dt, linearisation_point(f.from), to, &f.J_from, &f.J_to);
-  if (!models_.noise_tells_scale) leave_out_scale(to.velocity, speed_sigma, f.r, f.J_to);
+  if (!models_.noise_tells_scale)
+    leave_out_scale(to.velocity, unknown_speed(f.weight), f.r, f.J_to);
   if (!fixed_points_) return;
   f.r = camera_motion_residual(f.weight, f.dt, camera(f.from), camera(f.to), nullptr, nullptr);
 }

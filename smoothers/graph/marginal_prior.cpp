@@ -179,16 +179,6 @@ void MarginalPrior::add_transposed(const Eigen::MatrixXd& K, Eigen::Ref<Eigen::M
   }
 }
 
-void MarginalPrior::add_map_scale(Eigen::Ref<Eigen::VectorXd> c) const {
-  if (!linear_.keeps_scale() || linear_.gradient().size() != cols_) return;
-  Eigen::MatrixXd l = linear_.gradient().transpose();
-  for (const Block& b : blocks_) {
-    if (b.variable->orbit.kind == ScaleOrbit::Kind::kRates)
-      l.middleCols(b.offset, b.dim()).setZero();
-  }
-  add_transposed(l, c);
-}
-
 void MarginalPrior::set(const std::vector<Variable*>& variables,
                         const Eigen::Ref<const Eigen::MatrixXd>& R,
                         const Eigen::Ref<const Eigen::VectorXd>& r) {

@@ -90,9 +90,6 @@ class MarginalPrior {
   // E += K' where Variable::core says; K has the columns of R.
   void add_transposed(const Eigen::MatrixXd& K, Eigen::Ref<Eigen::MatrixXd> E) const;
 
-  // c += dlambda/d(core)', velocities left out: the log of the map's scale.
-  void add_map_scale(Eigen::Ref<Eigen::VectorXd> c) const;
-
   // Replaces the prior by |R db + r|^2 about the current estimate of `variables`, whose tangent
   // coordinates in this order are the columns of R. R is upper triangular.
   void set(const std::vector<Variable*>& variables, const Eigen::Ref<const Eigen::MatrixXd>& R,

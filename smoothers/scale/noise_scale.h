@@ -10,8 +10,9 @@
 //
 //   J_v1 := J_v1 - r v1' / (|v1|^2 + e^2),   of the linear part of r,
 //
-// e being what is not known of the speed in units of the map (Graph::speed_sigma), below which
-// there is none.
+// e being a tenth of the sigma of v1 in a step, below which no speed is known. (With all of it, or
+// with the posterior sigma of the speed, a share e^2/|v1|^2 of r is left in every frame, and a slow
+// camera's world shrinks.)
 //
 // That is no Jacobian of a cost: what Ceres minimises (the batch, `window.solver=ceres`) keeps the
 // noise in metres.
@@ -25,6 +26,12 @@ namespace slammot {
 // False where no landmark is known and the spread of depths follows a mean that is estimated.
 inline bool noise_tells_scale(const Setup& setup) {
   return !setup.known.empty() || !setup.prior.spread_follows_mean;
+}
+
+// e [m/s]; `weight` is L^-1.
+inline double unknown_speed(const Matrix12d& weight) {
+  constexpr double kOfAStep = 0.1;
+  return kOfAStep / weight(kVelocity, kVelocity);
 }
 
 // `velocity` is v1, `sigma` e, and `J_to` the 12 x 12 Jacobian of r with respect to x1.

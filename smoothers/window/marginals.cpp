@@ -1,8 +1,6 @@
 #include "smoothers/window/marginals.h"
 
 #include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
 
 namespace slammot {
 
@@ -52,22 +50,6 @@ CameraEstimate Marginals::camera() {
   const WindowFrame& newest = cameras_.newest();
   const Matrix12d P = equations_.camera_covariance();
   return {newest.timestamp, cameras_.state(newest), 0.5 * (P + P.transpose())};
-}
-
-// With a = v/|v| the line of the velocity and lambda the log of the map's scale (scale_chart.h),
-// var(a'v | lambda) = var(a'v) - cov(a'v, lambda)^2 / var(lambda).
-double Marginals::speed_sigma(const GraphCamera& camera) {
-  core_columns_.resize(equations_.core_dim(), 2);
-  auto columns = *core_columns_;
-  columns.setZero();
-  const int rates = graph_.variables[camera.rates].core;
-  columns.col(0).segment<3>(rates) = graph_.camera(camera).velocity.normalized();
-  graph_.prior().active.add_map_scale(columns.col(1));
-  equations_.whiten(columns);
-  const double variance = columns.col(0).squaredNorm(), of_scale = columns.col(1).squaredNorm();
-  const double shared = columns.col(0).dot(columns.col(1));
-  const double left = of_scale > 0.0 ? variance - shared * shared / of_scale : variance;
-  return std::sqrt(std::max(left, 0.0));
 }
 
 // With r the residual that is left and I - J P J' its covariance, r' (I - J P J')^-1 r is the NIS

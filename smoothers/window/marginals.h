@@ -38,9 +38,6 @@ class Marginals {
   // The newest camera of the last factorisation, in the coordinates of the estimate.
   CameraEstimate camera();
 
-  // Of a camera's speed, were the scale of the map known [m/s].
-  double speed_sigma(const GraphCamera& camera);
-
   // (y, 0) of a static one.
   LandmarkVector at_rest(const WindowLandmark& landmark) const;
 

@@ -139,9 +139,6 @@ int Window::solve() {
   const int steps = minimise();
   if (graph_.keeps_scale()) slide_along_scale(graph_);
   marginals_.start();
-  if (!graph_.motions.empty() && !graph_.models().noise_tells_scale) {
-    graph_.speed_sigma = marginals_.speed_sigma(graph_.motions.front().to);
-  }
   return steps;
 }
 
