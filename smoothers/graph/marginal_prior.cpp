@@ -79,22 +79,25 @@ Eigen::MatrixXd MarginalPrior::jacobian() const {
   return J;
 }
 
-Eigen::VectorXd MarginalPrior::gradient() const {
-  Eigen::VectorXd g = (*R_).transpose() * residual();
-  chart_.apply_transposed(g);
-  return g;
+const Eigen::VectorXd& MarginalPrior::gradient() const {
+  gradient_.noalias() = (*R_).transpose() * residual();
+  chart_.apply_transposed(gradient_);
+  return gradient_;
 }
 
 // D n(b) = n(b0), if anything tells the scale.
 Eigen::Vector2d MarginalPrior::along_scale() const {
   if (cols_ == 0) return Eigen::Vector2d::Zero();
   const Eigen::VectorXd& r = residual();
-  Eigen::VectorXd n = Eigen::VectorXd::Zero(cols_);
+  along_.setZero(cols_);
   for (const Block& b : blocks_) {
-    if (!b.variable->is_own) n.segment(b.offset, b.dim()) = b.variable->orbit.direction(b.x0);
+    const Variable& v = *b.variable;
+    if (!v.is_own && !v.is_orientation) {
+      along_.segment(b.offset, b.dim()) = v.orbit.direction(b.x0);
+    }
   }
-  const Eigen::VectorXd Jn = *R_ * n;
-  return {Jn.squaredNorm(), Jn.dot(r)};
+  of_scale_.noalias() = *R_ * along_;
+  return {of_scale_.squaredNorm(), of_scale_.dot(r)};
 }
 
 // By panels of columns; rows below the last that is not zero (R is a triangle) are left out.
@@ -137,7 +140,7 @@ void MarginalPrior::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::Vect
   if (cols_ == 0) return;
   compute_gram();
   find_runs();
-  gradient_ = gradient();
+  gradient();
   linear_ = chart_;
   bent_.resize(cols_, cols_);
   auto bent = *bent_;

@@ -50,7 +50,7 @@ class MarginalPrior {
 
   // The Jacobian J = R D of the residual at the current estimate, and J'(R d + r).
   Eigen::MatrixXd jacobian() const;
-  Eigen::VectorXd gradient() const;
+  const Eigen::VectorXd& gradient() const;  // overwritten by the next call, and by add_to()
   // |J n|^2 and J n . (R d + r) there, n = db/d(log scale).
   Eigen::Vector2d along_scale() const;
   Eigen::Map<const Eigen::MatrixXd> R() const { return *R_; }
@@ -129,7 +129,7 @@ class MarginalPrior {
   mutable std::vector<Run> runs_;
   mutable GrowingMatrix bent_;         // J'J
   mutable ScaleChart chart_, linear_;  // the first is scratch, as is what follows
-  mutable Eigen::VectorXd residual_, gradient_;
+  mutable Eigen::VectorXd residual_, gradient_, along_, of_scale_;
 };
 
 }  // namespace slammot

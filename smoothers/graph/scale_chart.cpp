@@ -123,8 +123,7 @@ void ScaleChart::erase(int offset, int dim) {
 }
 
 void ScaleChart::apply(Eigen::Ref<Eigen::MatrixXd> A) const {
-  Eigen::VectorXd of_q;
-  if (keeps_scale_) of_q = A * q_;
+  if (keeps_scale_) of_q_.noalias() = A * q_;
   for (const Bent& b : bent_) {
     if (b.is_matrix) {
       turn(A.middleCols<3>(b.offset), b.M);
@@ -132,7 +131,7 @@ void ScaleChart::apply(Eigen::Ref<Eigen::MatrixXd> A) const {
       A.middleCols(b.offset, b.dim) *= b.factor;
     }
   }
-  if (keeps_scale_) A.noalias() += of_q * l_.transpose();
+  if (keeps_scale_) A.noalias() += of_q_ * l_.transpose();
 }
 
 void ScaleChart::apply_transposed(Eigen::Ref<Eigen::VectorXd> g) const {
@@ -148,28 +147,27 @@ void ScaleChart::apply_transposed(Eigen::Ref<Eigen::VectorXd> g) const {
 }
 
 void ScaleChart::bend_gram(Eigen::Ref<Eigen::MatrixXd> G) const {
-  Eigen::VectorXd of_q;
   double square = 0.0;
   if (keeps_scale_) {
-    of_q = G * q_;
-    square = q_.dot(of_q);
+    of_q_.noalias() = G * q_;
+    square = q_.dot(of_q_);
   }
   for (const Bent& b : bent_) {
     if (b.is_matrix) {
       turn(G.middleCols<3>(b.offset), b.M);
       turn(G.middleRows<3>(b.offset).transpose(), b.M);
       if (keeps_scale_)
-        of_q.segment<3>(b.offset) = (b.M.transpose() * of_q.segment<3>(b.offset)).eval();
+        of_q_.segment<3>(b.offset) = (b.M.transpose() * of_q_.segment<3>(b.offset)).eval();
     } else {
       G.middleCols(b.offset, b.dim) *= b.factor;
       G.middleRows(b.offset, b.dim) *= b.factor;
-      of_q.segment(b.offset, b.dim) *= b.factor;
+      of_q_.segment(b.offset, b.dim) *= b.factor;
     }
   }
   if (!keeps_scale_) return;
-  auto lower = G.selfadjointView<Eigen::Lower>();
-  lower.rankUpdate(of_q, l_);
-  lower.rankUpdate(l_, square);
+  G.noalias() += of_q_ * l_.transpose();
+  of_q_ += square * l_;
+  G.noalias() += l_ * of_q_.transpose();
 }
 
 }  // namespace slammot

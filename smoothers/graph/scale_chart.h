@@ -63,7 +63,7 @@ class ScaleChart {
 
   void apply(Eigen::Ref<Eigen::MatrixXd> A) const;             // A := A D
   void apply_transposed(Eigen::Ref<Eigen::VectorXd> g) const;  // g := D'g
-  // The lower triangle of D'G D, G being symmetric and stored as a whole.
+  // G := D'G D, where G is symmetric and stored as a whole.
   void bend_gram(Eigen::Ref<Eigen::MatrixXd> G) const;
   // The first column that has a part in lambda, or `cols`.
   int first_told() const { return first_told_; }
@@ -97,7 +97,8 @@ class ScaleChart {
   double lambda_ = 0.0;
   int first_told_ = 0;
   std::vector<Bent> bent_;
-  Eigen::VectorXd d_, l_, q_;  // q = n(b0) - n(S(-lambda) b)
+  Eigen::VectorXd d_, l_, q_;     // q = n(b0) - n(S(-lambda) b)
+  mutable Eigen::VectorXd of_q_;  // scratch
 };
 
 }  // namespace slammot

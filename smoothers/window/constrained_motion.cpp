@@ -23,7 +23,7 @@ void Marginals::constrained_motions(std::span<const int> tracks,
   result.clear();
   if (tracks.empty()) return;
   const LandmarkFunctions& functions = *graph_.models().landmark;
-  const Eigen::VectorXd prior_gradient = graph_.prior().active.gradient();
+  const Eigen::VectorXd& prior_gradient = graph_.prior().active.gradient();
   const Eigen::Index n = functions.motion;
   motion_columns_.resize(equations_.core_dim(), n * std::ssize(tracks));
   for (const int track : tracks) {

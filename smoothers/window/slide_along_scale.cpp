@@ -18,8 +18,8 @@ Vector12d along(const Graph& graph, const GraphCamera& c) {
   return n;
 }
 
-void add(const Eigen::Ref<const Eigen::VectorXd>& Jn, const Eigen::Ref<const Eigen::VectorXd>& r,
-         Eigen::Vector2d& sum) {
+template <typename Vector>
+void add(const Vector& Jn, const Vector& r, Eigen::Vector2d& sum) {
   sum += Eigen::Vector2d(Jn.squaredNorm(), Jn.dot(r));
 }
 
@@ -28,14 +28,14 @@ void add_cameras(const Graph& graph, Eigen::Vector2d& sum) {
     const GraphCamera& c = graph.initial->camera;
     Matrix12d J;
     const Vector12d r = initial_camera_residual(graph.initial->initial, graph.camera(c), &J);
-    add(J * along(graph, c), r, sum);
+    add<Vector12d>(J * along(graph, c), r, sum);
   }
   for (const CameraMotionFactor& f : graph.motions) {
     if (!graph.models().noise_tells_scale) break;
     Matrix12d J_from, J_to;
     const Vector12d r = camera_motion_residual(f.weight, f.dt, graph.camera(f.from),
                                                graph.camera(f.to), &J_from, &J_to);
-    add(J_from * along(graph, f.from) + J_to * along(graph, f.to), r, sum);
+    add<Vector12d>(J_from * along(graph, f.from) + J_to * along(graph, f.to), r, sum);
   }
 }
 
@@ -47,7 +47,8 @@ void add_birth(const Graph& graph, const GraphLandmark& l, Eigen::Vector2d& sum)
   if (l.birth.kind == BirthPrior::Kind::kKnown) {
     const auto at = known_residual(point, l.birth.known, graph.variables[l.anchor].value, y);
     if (!at) return;
-    add(at->J_anchor * along(graph, l.anchor) + at->J_y * along(graph, l.y), at->r, sum);
+    const Eigen::Vector3d of_anchor = along(graph, l.anchor), of_y = along(graph, l.y);
+    add<Eigen::Vector3d>(at->J_anchor * of_anchor + at->J_y * of_y, at->r, sum);
     return;
   }
   const bool shared = l.birth.kind == BirthPrior::Kind::kSharedDepth;
@@ -72,7 +73,7 @@ Eigen::Vector2d information_of_scale(const Graph& graph) {
     add_birth(graph, l, sum);
     if (!l.is_free() || l.w_sigmas.size() == 0) continue;
     const SmallVector w = graph.variables[l.w].value.cwiseQuotient(l.w_sigmas);
-    add(along(graph, l.w).cwiseQuotient(l.w_sigmas), w, sum);
+    add<SmallVector>(along(graph, l.w).cwiseQuotient(l.w_sigmas), w, sum);
   }
   return sum;
 }
