@@ -5,9 +5,19 @@ The page needs nothing but itself: Plotly is carried inside.
 """
 from ..pooling.estimators import FORMAT
 from ..pooling.json_files import dumped
-from . import figures, lags, pictures, pooled_verdict, tables, verdict
+from . import figures, lags, pooled_verdict, tables, verdict
 from .comparison import read_comparison
-from .page import rendered, run_report, write_aside
+from .page import embedded_picture, rendered, run_report, write_aside
+
+
+def pictures_of(output, runs):
+    """[(run, [(frame, picture), ...])] of the runs in whose folders `slammot compare --pictures` left some."""
+    found = []
+    for run in runs:
+        files = sorted((output / run.label / "pictures" / "slider").glob("*.jpg"))
+        if files:
+            found.append((run, [(int(file.stem), embedded_picture(file)) for file in files]))
+    return found
 
 
 def page(output, given):
@@ -23,7 +33,7 @@ def page(output, given):
         ("runtime", figures.runtime(comparison))) if figure}
     return rendered("compare.html", "page.js", charts, charts=charts, comparison=comparison,
                     findings=(pooled_verdict if comparison.pooled else verdict).findings(comparison), verdict=verdict, tables=tables, lags=lags, figures=figures,
-                    pictures=pictures.of_runs(output, comparison.runs))
+                    pictures=pictures_of(output, comparison.runs))
 
 
 def main():

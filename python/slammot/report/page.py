@@ -32,6 +32,12 @@ def packed(source):
     return base64.b64encode(gzip.compress(source, 6, mtime=0)).decode("ascii")
 
 
+def embedded_picture(file):
+    """A picture's file, carried inside the page."""
+    kind = {".png": "png", ".jpg": "jpeg"}[file.suffix]
+    return f"data:image/{kind};base64," + base64.b64encode(file.read_bytes()).decode("ascii")
+
+
 def embedded_json(value):
     """JSON that no `</script>` inside can end."""
     return json.dumps(value, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")

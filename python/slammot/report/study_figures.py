@@ -258,38 +258,42 @@ def interval_band(axis, x, lower, upper, style):
     axis.fill_between(x, finite(lower), finite(upper), color=style["color"], alpha=0.2, linewidth=0)
 
 
-@registered
-def landmark_anees(plt, summary):
-    figure, rows = group_rows(plt, summary, 2, 4.5, 2.9)
+def landmark_parts(plt, summary, height, draw, name, **names):
+    """For each group a row with NEES of position and of velocity; `draw` draws a cell's."""
+    figure, rows = group_rows(plt, summary, 2, 4.5, height)
     for group, axes, cells in rows:
         for axis, part in zip(axes, ("position", "velocity")):
             for cell, style in cells:
-                f = cell["per_frame"]
-                anees_line(axis, cell, f"landmark_{part}", style)
-                if f"anees_landmark_{part}" in f:  # not of a batch
-                    interval_band(axis, f["frame"], f[f"anees_landmark_{part}_lower"], f[f"anees_landmark_{part}_upper"], style)
+                draw(axis, part, cell, style)
             expected(axis, 3)
-            explain(axis, title=f'{group["name"]}: {part}', xlabel="frame", ylabel=f"ANEES of landmarks ({part})",
-                    yscale="log")
+            explain(axis, title=f'{group["name"]}: {part}', ylabel=f"{name} ({part})", yscale="log", **names)
+    return figure
+
+
+@registered
+def landmark_anees(plt, summary):
+    def by_frame(axis, part, cell, style):
+        f = cell["per_frame"]
+        anees_line(axis, cell, f"landmark_{part}", style)
+        if f"anees_landmark_{part}" in f:  # not of a batch
+            interval_band(axis, f["frame"], f[f"anees_landmark_{part}_lower"], f[f"anees_landmark_{part}_upper"], style)
+
+    figure = landmark_parts(plt, summary, 2.9, by_frame, "ANEES of landmarks", xlabel="frame")
     return figure, ("Consistency of the landmarks by frame", "NEES averaged over the landmarks measured in a frame and over the runs, "
                     "with 95% interval over runs. A consistent estimator has 3.")
 
 
 @registered
 def anees_by_age(plt, summary):
-    figure, rows = group_rows(plt, summary, 2, 4.5, 3.0)
-    for group, axes, cells in rows:
-        for axis, part in zip(axes, ("position", "velocity")):
-            for cell, style in cells:
-                ages = [(a["observations"], a[f"nees_{part}"]) for a in cell["by_age"] if a[f"nees_{part}"]]
-                points = [(n, a["mean"], a["lower"], a["upper"]) for n, a in ages if a["mean"] is not None]
-                if points:
-                    n, means, lower, upper = zip(*points)
-                    axis.plot(n, means, "o-", markersize=3, **style)
-                    interval_band(axis, n, lower, upper, style)
-            expected(axis, 3)
-            explain(axis, title=f'{group["name"]}: {part}', xlabel="measurements of the landmark",
-                    ylabel=f"ANEES ({part})", xscale="log", yscale="log")
+    def by_age(axis, part, cell, style):
+        ages = [(a["observations"], a[f"nees_{part}"]) for a in cell["by_age"] if a[f"nees_{part}"]]
+        points = [(n, a["mean"], a["lower"], a["upper"]) for n, a in ages if a["mean"] is not None]
+        if points:
+            n, means, lower, upper = zip(*points)
+            axis.plot(n, means, "o-", markersize=3, **style)
+            interval_band(axis, n, lower, upper, style)
+
+    figure = landmark_parts(plt, summary, 3.0, by_age, "ANEES", xlabel="measurements of the landmark", xscale="log")
     return figure, ("Consistency of the landmarks by age", "NEES averaged over the landmarks of all runs with this number of measurements, "
                     "with 95% interval over runs. A consistent estimator has 3. Of a batch, the window in front of it.")
 

@@ -1,14 +1,13 @@
 """python3 -m slammot.report study OUTPUT: summary.json and runs.csv from what the program left in the folder of a study
 (plan.json and the runs), then figures (PDF, PNG), tables (LaTeX, CSV) and report.html from summary.json.
 """
-import base64
 import pathlib
 
 from . import ranking, record, study_figures, study_tables, study_verdict
 from ..pooling import study
 from ..pooling.json_files import dumped
 from .comparison import BadInput, read_json
-from .page import rendered, run_report, write_aside
+from .page import embedded_picture, rendered, run_report, write_aside
 
 PLAN, FORMAT = "slammot-plan-1", study.FORMAT
 
@@ -28,10 +27,6 @@ def write_tables(tables, folder):
     for name, table in tables.items():
         write_aside(folder / f"{name}.csv", table.csv())
         write_aside(folder / f"{name}.tex", table.latex())
-
-
-def inline(png):
-    return "data:image/png;base64," + base64.b64encode(png.read_bytes()).decode("ascii")
 
 
 def summarise_folder(output):
@@ -59,7 +54,7 @@ def page(output, given):
     return rendered(
         "study.html", "view.js", view if view and view["runs"] else None,
         summary=summary, tables=tables, study_verdict=study_verdict, study_tables=study_tables,
-        figures=[(f.title, f.caption, inline(f.png)) for f in figures])
+        figures=[(f.title, f.caption, embedded_picture(f.png)) for f in figures])
 
 
 def main():

@@ -117,6 +117,11 @@ def estimators_of(summary):
     return [(group, cell) for group, cell in cells_of(summary) if not is_ideal(cell)]
 
 
+def estimators_with(key, summary):
+    """(group, cell, what stands there under the key) where anything does."""
+    return [(group, cell, cell[key]) for group, cell in estimators_of(summary) if cell.get(key)]
+
+
 def is_batch(cell):
     """A batch is judged by what it is for: its filtered trajectory is its front window's."""
     return cell["kind"] == "batch"
@@ -255,10 +260,7 @@ def infinite_or_number(nees):
 
 def nees_by_run_table(summary):
     rows = []
-    for group, cell in estimators_of(summary):
-        runs = cell.get("nees_by_run")
-        if not runs:
-            continue
+    for group, cell, runs in estimators_with("nees_by_run", summary):
         rows.append([group["name"], cell["label"], str(runs["runs"])] + [infinite_or_number(q) for q in runs["quantiles"]] +
                     [f'{runs["exceeding"]} ({percent(runs["exceeding"], runs["runs"])})', named(runs["worst"])])
     return Table(
@@ -418,10 +420,7 @@ OLD_COUNTS = {"frames": "frames_done", "offered": "measurements_offered", "admit
 
 def measurements_table(summary):
     rows = []
-    for group, cell in estimators_of(summary):
-        counts = cell.get("coverage")
-        if not counts:
-            continue
+    for group, cell, counts in estimators_with("coverage", summary):
         counts = {OLD_COUNTS.get(name, name): value for name, value in counts.items()}
         offered = counts["measurements_offered"]
         rows.append([group["name"], cell["label"], f'{counts["frames_done"]:.0f}', f"{offered:.0f}",
