@@ -2,7 +2,8 @@
 
 - Figures: no commit hash; no table with a decimal figure, and no measured quantity in prose, outside what stands between
   `<!-- results: NAME/FILE -->` and `<!-- end -->`, which scripts/results fills.
-- Reading: no sentence above 40 words; all pages together below 22,000.
+- Reading: no sentence above 40 words; all pages together, with docs/site/, below 20,000, as `wc -w` counts what is not from
+  scripts/results.
 - Truth: links, anchors, pictures, paths of the tree, configuration keys and studies that a page names exist.
 """
 import pathlib
@@ -14,7 +15,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 LINKED = [*PAGES, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
-MOST_WORDS_OF_ALL = 22000
+MOST_WORDS_OF_ALL = 20000
 MOST_WORDS_OF_A_SENTENCE = 40
 
 RESULTS = re.compile(r"(<!-- results: (?P<study>[\w-]+)/(?P<file>[\w.-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -66,8 +67,26 @@ def sentences_of(text):
         yield from re.split(r"(?<=[.!?])[\"')*_]*\s+(?=[A-Z*\[(\"0-9])", block)
 
 
+def long_sentences_of(text):
+    """By a plain reader of Markdown, who takes code for words and a list for a paragraph, and knows no end of a sentence but a stop
+    and a space. Cells of tables are sentences."""
+    blocks, is_code, last = [[]], False, ""
+    for line in re.sub(r"<!--.*?-->", "", FENCED.sub("\n", text)).splitlines():
+        is_code = line.startswith("    ") and (is_code or not last.strip())
+        last = line
+        if is_code or not line.strip() or line.startswith(("#", "|")):
+            cells = re.split(r"(?<!\\)\|", line) if line.startswith("|") else []
+            blocks += [*([cell] for cell in cells), []]
+        else:
+            blocks[-1].append(line)
+    for block in blocks:
+        plain = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", " ".join(block))
+        yield from (s for s in re.split(r"(?<=[.!?])\s+", plain) if words_of(s) > MOST_WORDS_OF_A_SENTENCE)
+
+
 def words_of(text):
-    return sum(1 for token in text.split() if re.search(r"\w", token))
+    """As `wc -w`."""
+    return len(text.split())
 
 
 def tables_of(text):
@@ -146,11 +165,11 @@ class Figures(Pages):
 
 class Reading(Pages):
     def test_sentences(self):
-        self.each(lambda page: (f"{words_of(s)} words: {s}" for s in sentences_of(text_of(page))
-                                if words_of(s) > MOST_WORDS_OF_A_SENTENCE))
+        self.each(lambda page: (f"{words_of(s)} words: {s}" for s in long_sentences_of(text_of(page))))
 
     def test_words(self):
-        words = {str(page.relative_to(ROOT)): words_of(text_of(page)) for page in PAGES}
+        pages = [*PAGES, *(ROOT / "docs/site").glob("*.md")]
+        words = {str(page.relative_to(ROOT)): words_of(RESULTS.sub(r"\1\4", page.read_text(encoding="utf-8"))) for page in pages}
         print("words: " + ", ".join(f"{name} {n}" for name, n in words.items()) + f"; all {sum(words.values())}")
         self.assertLess(sum(words.values()), MOST_WORDS_OF_ALL)
 
