@@ -81,7 +81,7 @@ const std::vector<Case> kCases = {
     {"circle", "ekf", {}},
     {"circle", "ekf", {"landmark=dynamic_inverse_depth", "collapse=drop", "labels=one_way"}},
     {"circle", "ekf", {"ekf.linearisation=fej", "prior.source=fixed"}},
-    {"circle", "ekf", {"ekf.gauge=none", "policy.movers=joint", "classifier=odds"}},
+    {"circle", "ekf", {"gauge=none", "policy.movers=joint", "classifier=odds"}},
     {"circle", "ekf", {"ekf.iterations=3"}},
     {"move_stop_move", "ekf", {"prior.inverse_depth_sigma=0.3", "prior.mean_sigma=0.02"}},
     {"circle", "delayed", {}},

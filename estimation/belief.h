@@ -115,6 +115,8 @@ class Belief {
   virtual void in_force(InForce& /*result*/) const {}
 
   virtual int state_size() const = 0;  // of the error state
+  // See FrameReport::scale_information.
+  virtual double scale_information() const { return kUndefined; }
   virtual CameraEstimate camera() const = 0;
   // See Estimator::pose_before().
   virtual std::optional<PoseEstimate> pose_before(int /*frames*/) const { return std::nullopt; }

@@ -94,6 +94,10 @@ struct GateOptions {
   double given_others = 0.999;
 };
 
+// What is kept of a direction that no measurement tells, while the estimate moves: of the EKF
+// filters/gauge.h, of a window smoothers/graph/scale_chart.h. kNone: thesis.
+enum class Gauge { kNone, kHeading, kScale };
+
 struct ModelOptions {
   std::string landmark = "scaled_velocity";  // a row of landmark_table()
   std::string point = "inverse_depth";       // of its position: a row of point_table()
@@ -104,6 +108,7 @@ struct ModelOptions {
   TrackPolicy policy;
   DepthPriorSource depth_prior = DepthPriorSource::kAuto;  // of new landmarks
   bool adaptive_motion = true;  // the camera's noise, see modules/camera_noise.h
+  Gauge gauge = Gauge::kScale;
 };
 
 }  // namespace slammot

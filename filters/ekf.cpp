@@ -11,9 +11,8 @@ namespace slammot {
 namespace {
 
 // The gauge's errors are kept where Jacobians are taken at the estimate, once a frame.
-bool keeps_gauge(const EkfOptions& options) {
-  return options.gauge != Gauge::kNone && options.linearisation == FilterLinearisation::kStandard &&
-         options.iterations == 1;
+bool can_keep_gauge(const EkfOptions& options) {
+  return options.linearisation == FilterLinearisation::kStandard && options.iterations == 1;
 }
 
 bool has_second_order(const EkfOptions& options) {
@@ -43,11 +42,14 @@ void check_options(const EkfOptions& options) {
 Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options)
     : setup_(setup),
       options_(options),
+      gauge_(models.gauge),
       functions_(find_landmark(models.landmark, models.point)),
       condition_(models.collapse == Collapse::kCondition),
       remembers_(motion_memory(models, functions_) > 0),
       devices_{functions_, Linearisation(options.linearisation, functions_, setup.truth), {}} {
-  if (keeps_gauge(options)) devices_.gauge.emplace(options.gauge, functions_, !setup.known.empty());
+  if (gauge_ != Gauge::kNone && can_keep_gauge(options)) {
+    devices_.gauge.emplace(gauge_, functions_, !setup.known.empty());
+  }
   if (has_second_order(options)) devices_.second_order = SecondOrder::kOwn;
   state_.camera = setup.initial.state;
   state_.covariance.append({}, setup.initial.sigmas().cwiseAbs2().asDiagonal().toDenseMatrix());
@@ -202,13 +204,12 @@ void Ekf::finish() {
 }
 
 void Ekf::in_force(InForce& result) const {
-  const Gauge asked = options_.gauge;
-  const bool keeps = keeps_gauge(options_), second = has_second_order(options_);
+  const bool keeps = can_keep_gauge(options_), second = has_second_order(options_);
   const auto gauge = [&](const char* name, Gauge which) {
-    const bool is_on = keeps && asked == which;
-    const bool is_kept_off = asked == which && !keeps;
-    result.push_back({name, "ekf.gauge", is_on, is_kept_off ? without_effect(options_) : "",
-                      is_on ? updates_ : 0});
+    const bool is_on = keeps && gauge_ == which;
+    const bool is_kept_off = gauge_ == which && !keeps;
+    result.push_back(
+        {name, "gauge", is_on, is_kept_off ? without_effect(options_) : "", is_on ? updates_ : 0});
   };
   gauge("scale kept while the estimate moves", Gauge::kScale);
   gauge("heading kept while the estimate moves", Gauge::kHeading);

@@ -57,6 +57,7 @@ class Ekf final : public Belief {
 
   Setup setup_;
   EkfOptions options_;
+  Gauge gauge_;  // that is asked for
   const LandmarkFunctions& functions_;
   bool condition_;  // on collapse, w = 0 is used
   bool remembers_;  // and what the motion would be is remembered

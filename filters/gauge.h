@@ -1,5 +1,5 @@
 // What the EKF knows of a direction that no measurement tells, kept while its estimate moves
-// (`ekf.gauge`).
+// (`gauge`).
 //
 // Pixels say nothing along N(x) = dx/dg, of a gauge g:
 //
@@ -30,8 +30,8 @@
 
 #include <span>
 
+#include "estimation/options.h"
 #include "filters/covariance/joint_state.h"
-#include "filters/ekf_options.h"
 #include "models/landmarks/landmark_models.h"
 
 namespace slammot {

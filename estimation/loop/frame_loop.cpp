@@ -148,6 +148,7 @@ void FrameLoop::look_at_marginals(const CameraEstimate& before, double dt) {
 // Of what the frame leaves behind, like the size of the state.
 void FrameLoop::count_what_is_left(FrameReport& report) {
   report.state_size = belief_->state_size();
+  report.scale_information = belief_->scale_information();
   belief_->points(points_);
   report.negative_inverse_depth = static_cast<int>(std::ranges::count_if(
       points_, [&](const LandmarkPoint& p) { return point_.inverse_depth(p.y) < 0.0; }));

@@ -217,6 +217,12 @@ std::vector<ConfigurationKey> statement_keys() {
           "the camera's noise is wider than stated in a curve, and where the static landmarks of a "
           "frame say that it is larger",
           SLAMMOT_FIELD(model.adaptive_motion)),
+      option<Gauge>(
+          "gauge",
+          "what is kept of a direction that no measurement tells while the estimate moves; none: "
+          "thesis; heading: the EKF only; of a window scale, where no landmark is known",
+          {{"none", Gauge::kNone}, {"heading", Gauge::kHeading}, {"scale", Gauge::kScale}},
+          SLAMMOT_FIELD(model.gauge)),
       option<NoiseDiscretisation>("motion.discretisation", "of the camera's noise",
                                   motion_choices(), SLAMMOT_FIELD(motion.discretisation)),
       option<DepthPriorSource>(
@@ -271,11 +277,6 @@ std::vector<ConfigurationKey> estimator_keys() {
              SLAMMOT_FIELD(ekf.iterations)),
       number("ekf.lag", "past poses that stay in the state, to be corrected by later frames",
              kPastPoses, SLAMMOT_FIELD(ekf.lag)),
-      option<Gauge>(
-          "ekf.gauge",
-          "what an update keeps of a direction that no measurement tells; none: thesis",
-          {{"none", Gauge::kNone}, {"heading", Gauge::kHeading}, {"scale", Gauge::kScale}},
-          SLAMMOT_FIELD(ekf.gauge)),
       flag("ekf.second_order",
            "noise for the product of a static landmark's depth and the camera's translation",
            SLAMMOT_FIELD(ekf.second_order)),

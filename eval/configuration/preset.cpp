@@ -23,7 +23,7 @@ const std::vector<Assignment> kThesis = {
     {"motion.adaptive", "false"},
     {"prior.source", "fixed"},
     {"prior.steady_time", "0"},
-    {"ekf.gauge", "none"},
+    {"gauge", "none"},
     {"ekf.second_order", "false"},
 };
 

@@ -214,6 +214,32 @@ MetricTable nis_rows() {
                           &N::joint_mean))};
 }
 
+// What an estimator without known landmarks believes to know of the scale, over what was stated.
+MetricTable scale_rows() {
+  const auto row = [](const char* leaf, const char* name, const char* caption, auto value) {
+    return Metric{.key = std::string("scale.") + leaf,
+                  .unit = "",
+                  .name = name,
+                  .caption = caption,
+                  .value = [=](const FinishedRun& f) { return value(f.run.scale); },
+                  .better = Better::kNeither,
+                  .block = "scale",
+                  .leaf = leaf};
+  };
+  using S = ScaleInformation;
+  return {pooled(row("stated", "scale, stated",
+                     "information on the log of the scale after the first frame",
+                     [](const S& s) { return s.stated; }),
+                 Pooled::kNot),
+          on_page(row("largest", "scale, largest",
+                      "the largest information on the scale over the stated one: above 1 something "
+                      "seems to have told it",
+                      [](const S& s) { return s.largest / s.stated; })),
+          on_page(row("last", "scale, last",
+                      "information on the scale after the last frame over the stated one",
+                      [](const S& s) { return s.last / s.stated; }))};
+}
+
 // A run that ended early has said so.
 bool warned(const RunMetrics& m) { return m.warned(); }
 bool failed_silently(const RunMetrics& m) { return m.failed && !m.warned(); }
@@ -391,6 +417,7 @@ MetricTable all_rows() {
   append(table, class_rows("moving", &ClassificationMetrics::movings));
   append(table, classification_rows());
   append(table, nis_rows());
+  append(table, scale_rows());
   append(table, warning_rows());
   append(table, lag_rows());
   append(table, runtime_rows());

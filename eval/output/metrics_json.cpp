@@ -139,6 +139,17 @@ double nis_sum(const Json& mean, int accepted) {
   return mean.is_number() ? plausible_number(mean, kMostSigmas * kMostSigmas) * accepted : 0.0;
 }
 
+// Shares of what was stated are written.
+void restore_scale(const Json& metrics, ScaleInformation& scale) {
+  const auto number = [&](const char* leaf) {
+    const Json& value = metrics.contains("scale") ? metrics["scale"].at(leaf) : Json();
+    return value.is_number() ? plausible_number(value, kLargest) : kUndefined;
+  };
+  scale.stated = number("stated");
+  scale.largest = scale.stated * number("largest");
+  scale.last = scale.stated * number("last");
+}
+
 // The numbers are added up.
 void require_countable(const MeasurementCounts& counts) {
   count_of(std::int64_t{counts.accepted} + counts.rejected + counts.out_of_view);
@@ -204,6 +215,7 @@ void restore_totals(const Json& metrics, RunResult& run) {
   totals.negative_inverse_depth = counts.negative_inverse_depth;
   totals.nis_sum = nis_sum(metrics.at("nis").at("mean"), totals.accepted);
   totals.joint_nis = nis_sum(metrics.at("nis").at("joint_mean"), totals.accepted);
+  restore_scale(metrics, run.scale);
   run.smoothing_ms = plausible_number(metrics.at("runtime").at("smoothing_ms"), kLargest);
   run.diverged = divergence_of(metrics.at("divergence"));
   run.warnings = warnings_of(metrics.at("warnings"));

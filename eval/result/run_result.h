@@ -34,6 +34,14 @@ struct FrameCounts {
   double joint_nis = 0.0;  // of the accepted of a frame together
 };
 
+// FrameReport::scale_information over a run: after its first frame, where only statements tell the
+// scale, the largest, and after its last.
+struct ScaleInformation {
+  double stated = kUndefined;
+  double largest = kUndefined;
+  double last = kUndefined;
+};
+
 struct LandmarkRecord {
   int frame = 0;  // the estimate is that after this frame
   LandmarkEstimate estimate;
@@ -84,11 +92,12 @@ struct RunWarning {
 
 struct RunResult {
   int frames_offered = 0;
-  std::vector<int> frames;               // index of each frame done
-  std::vector<CameraEstimate> filtered;  // after each of them
-  std::vector<FrameCounts> counts;       // likewise; empty when read back
-  std::vector<double> ray_spread;        // likewise, see run/ray_spread.h
-  std::vector<CameraEstimate> smoothed;  // empty for a pure filter
+  std::vector<int> frames;                // index of each frame done
+  std::vector<CameraEstimate> filtered;   // after each of them
+  std::vector<FrameCounts> counts;        // likewise; empty when read back
+  std::vector<double> ray_spread;         // likewise, see run/ray_spread.h
+  std::vector<double> scale_information;  // likewise
+  std::vector<CameraEstimate> smoothed;   // empty for a pure filter
   // A batch is solved once, after the last frame: its result is `smoothed`, and `filtered` is that
   // of the window in front of it.
   bool batch = false;
@@ -102,6 +111,7 @@ struct RunResult {
   std::vector<StageTime> timing;
   double smoothing_ms = 0.0;  // after the last frame
   FrameCounts totals;
+  ScaleInformation scale;
   std::optional<Divergence> diverged;
   std::vector<RunWarning> warnings;
   std::optional<InForce> in_force;  // empty: the estimator states none; unset: made elsewhere

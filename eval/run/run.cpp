@@ -58,6 +58,14 @@ void add_to(FrameCounts& totals, const FrameCounts& counts) {
   totals.joint_nis += counts.joint_nis;
 }
 
+void add_scale(double information, RunResult& result) {
+  result.scale_information.push_back(information);
+  ScaleInformation& scale = result.scale;
+  if (result.frames.size() == 1) scale.stated = scale.largest = information;
+  scale.largest = std::max(scale.largest, information);
+  scale.last = information;
+}
+
 void add_timing(StageClock& clock, int frame, int state_size, RunResult& result) {
   for (auto& [stage, milliseconds] : clock.finish()) {
     result.timing.push_back({frame, std::move(stage), milliseconds, state_size});
@@ -95,6 +103,7 @@ void drive_frame(const Sequence& sequence, const Frame& frame, Estimator& estima
   result.filtered.push_back(camera);
   add_lagged(estimator, result);
   result.counts.push_back(counts_of(report));
+  add_scale(report.scale_information, result);
   add_to(result.totals, result.counts.back());
   for (const Prediction& prediction : report.predictions) {
     result.predictions.push_back({frame.index, prediction});

@@ -7,6 +7,21 @@
 
 namespace slammot {
 
+namespace {
+
+// Not of a batch, whose window in front it would be.
+bool states_scale(const RunResult& run, std::size_t i) {
+  return !run.batch && i < run.scale_information.size() && run.scale_information[i] > 0.0;
+}
+
+double implied_sigma(const std::vector<CameraEstimate>& cameras, std::size_t i) {
+  const Eigen::Vector3d d = cameras[i].state.position - cameras[0].state.position;
+  const Eigen::Matrix3d P = cameras[i].covariance.block<3, 3>(kPosition, kPosition);
+  return std::sqrt(d.dot(P * d)) / d.squaredNorm();
+}
+
+}  // namespace
+
 std::optional<StatedScale> stated_scale(const Setup& setup) {
   constexpr double kLeast = 4.0;  // of a scale that is known to half of itself
   if (!setup.known.empty() || !(setup.prior.mean_sigma > 0.0)) return std::nullopt;
@@ -18,7 +33,8 @@ std::optional<StatedScale> stated_scale(const Setup& setup) {
 }
 
 std::optional<RunWarning> scale_warning(const RunResult& run, const StatedScale& stated) {
-  constexpr double kTooSure = 3.0, kMostOfFrame = 3.0;
+  constexpr double kMostOfFrame = 3.0;
+  constexpr double kTooSure = 3.0, kTooSureItself = 2.0;
   const std::vector<CameraEstimate>& cameras = run.judged();
   double information = stated.information;
   for (std::size_t i = 1; i < std::min(cameras.size(), run.frames.size()); ++i) {
@@ -26,14 +42,15 @@ std::optional<RunWarning> scale_warning(const RunResult& run, const StatedScale&
     const double dt = cameras[i].timestamp - cameras[i - 1].timestamp;
     const double change = (x.velocity - before.velocity).norm() / (stated.acceleration * dt);
     information += std::min(kMostOfFrame, change * change);
-    const Eigen::Vector3d d = x.position - cameras[0].state.position;
-    const Eigen::Matrix3d P = cameras[i].covariance.block<3, 3>(kPosition, kPosition);
-    const double claimed = std::sqrt(d.dot(P * d)) / d.squaredNorm();
     const double told = 1.0 / std::sqrt(information);
-    if (!(claimed > 0.0) || kTooSure * claimed >= told) continue;  // or not stated
+    const bool states = states_scale(run, i);
+    const double claimed =
+        states ? 1.0 / std::sqrt(run.scale_information[i]) : implied_sigma(cameras, i);
+    const double too_sure = states ? kTooSureItself : kTooSure;
+    if (!(claimed > 0.0) || too_sure * claimed >= told) continue;  // or not stated
     return RunWarning{
         run.frames[i],
-        fmt::format("the covariance claims to know the scale to {:.2g}%, but first velocity, mean "
+        fmt::format("it claims to know the scale to {:.2g}%, but first velocity, mean "
                     "depth and accelerations as stated give it only to {:.2g}%: do not trust its "
                     "sigmas along the path",
                     100.0 * claimed, 100.0 * told)};

@@ -12,8 +12,8 @@
 //
 // A scale that is wrong by a share s moves the camera by s d, d being its way since the first pose.
 // So a covariance P of the position implies a relative sigma of the scale of sqrt(d'Pd) / |d|^2 at
-// most. Estimators become too sure of the scale where their Jacobians were taken at different
-// scales (docs/results.md).
+// most. A window states the information itself (FrameReport::scale_information). Estimators become
+// too sure of the scale where their Jacobians were taken at different scales (docs/results.md).
 #pragma once
 
 #include <optional>
@@ -33,7 +33,8 @@ struct StatedScale {
 std::optional<StatedScale> stated_scale(const Setup& setup);
 
 // The first frame whose covariance implies less than a third of the sigma that I does, I being that
-// of the frames so far. Nothing of cameras without covariance.
+// of the frames so far, or whose estimator states less than half of it. Nothing of cameras without
+// covariance.
 std::optional<RunWarning> scale_warning(const RunResult& run, const StatedScale& stated);
 
 }  // namespace slammot

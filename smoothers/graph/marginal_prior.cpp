@@ -80,12 +80,14 @@ Eigen::MatrixXd MarginalPrior::jacobian() const {
 }
 
 const Eigen::VectorXd& MarginalPrior::gradient() const {
+  gradient_.resize(cols_);
+  if (cols_ == 0) return gradient_;
   gradient_.noalias() = (*R_).transpose() * residual();
   chart_.apply_transposed(gradient_);
   return gradient_;
 }
 
-// D n(b) = n(b0), if anything tells the scale.
+// In the chart D n(b) = n(b0), if anything tells the scale; else n is that of the estimate.
 Eigen::Vector2d MarginalPrior::along_scale() const {
   if (cols_ == 0) return Eigen::Vector2d::Zero();
   const Eigen::VectorXd& r = residual();
@@ -93,7 +95,7 @@ Eigen::Vector2d MarginalPrior::along_scale() const {
   for (const Block& b : blocks_) {
     const Variable& v = *b.variable;
     if (!v.is_own && !v.is_orientation) {
-      along_.segment(b.offset, b.dim()) = v.orbit.direction(b.x0);
+      along_.segment(b.offset, b.dim()) = v.orbit.direction(chart_.keeps_scale() ? b.x0 : v.value);
     }
   }
   of_scale_.noalias() = *R_ * along_;

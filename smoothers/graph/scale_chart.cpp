@@ -102,7 +102,7 @@ void ScaleChart::bend(const PriorBlock& block, const SmallVector& x) {
   if (bent.is_matrix) {
     bent.M = v.orbit.jacobian(x, -lambda_);
   } else {
-    bent.factor = std::exp(v.orbit.kind == ScaleOrbit::Kind::kInverse ? lambda_ : -lambda_);
+    bent.factor = std::exp(-v.orbit.exponent() * lambda_);
   }
   bent_.push_back(bent);
 }

@@ -6,74 +6,41 @@
 
 namespace slammot {
 
+namespace {
+
+constexpr int kVelocityOfRates = 3;
+
+}  // namespace
+
+int ScaleOrbit::exponent() const {
+  if (kind == Kind::kNone) return 0;
+  return kind == Kind::kInverse ? -1 : 1;
+}
+
+SmallVector ScaleOrbit::from_centre(const SmallVector& x) const {
+  SmallVector d = x;
+  if (kind == Kind::kPosition) d -= centre;
+  if (kind == Kind::kRates) d.tail(d.size() - kVelocityOfRates).setZero();
+  return d;
+}
+
+// x + (e^(s t) - 1) (x - centre), s being the exponent.
 SmallVector ScaleOrbit::at(const SmallVector& x, double t) const {
-  SmallVector y = x;
-  switch (kind) {
-    case Kind::kNone:
-      break;
-    case Kind::kPosition:
-      y = centre + std::exp(t) * (x - centre);
-      break;
-    case Kind::kRates:
-      y.head<3>() *= std::exp(t);
-      break;
-    case Kind::kLength:
-      y *= std::exp(t);
-      break;
-    case Kind::kInverse:
-      y *= std::exp(-t);
-      break;
-    case Kind::kPoint:
-      y = scaled(*point, x, t);
-      break;
-  }
-  return y;
+  if (kind == Kind::kPoint) return scaled(*point, x, t);
+  return x + std::expm1(exponent() * t) * from_centre(x);
 }
 
 BlockMatrix ScaleOrbit::jacobian(const SmallVector& x, double t) const {
+  if (kind == Kind::kPoint) return scaled_jacobian(*point, x, t);
   BlockMatrix J = BlockMatrix::Identity(x.size(), x.size());
-  switch (kind) {
-    case Kind::kNone:
-      break;
-    case Kind::kRates:
-      J.diagonal().head<3>().setConstant(std::exp(t));
-      break;
-    case Kind::kPosition:
-    case Kind::kLength:
-      J *= std::exp(t);
-      break;
-    case Kind::kInverse:
-      J *= std::exp(-t);
-      break;
-    case Kind::kPoint:
-      J = scaled_jacobian(*point, x, t);
-      break;
-  }
+  const Eigen::Index n = kind == Kind::kRates ? kVelocityOfRates : x.size();
+  J.diagonal().head(n).setConstant(std::exp(exponent() * t));
   return J;
 }
 
 SmallVector ScaleOrbit::direction(const SmallVector& x) const {
-  SmallVector n = SmallVector::Zero(x.size());
-  switch (kind) {
-    case Kind::kNone:
-      break;
-    case Kind::kPosition:
-      n = x - centre;
-      break;
-    case Kind::kRates:
-      n.head<3>() = x.head<3>();
-      break;
-    case Kind::kLength:
-      n = x;
-      break;
-    case Kind::kInverse:
-      n = -x;
-      break;
-    case Kind::kPoint:
-      n = along_scale(*point, x);
-      break;
-  }
-  return n;
+  if (kind == Kind::kPoint) return along_scale(*point, x);
+  return exponent() * from_centre(x);
 }
 
 }  // namespace slammot

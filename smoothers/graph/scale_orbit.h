@@ -30,6 +30,11 @@ struct ScaleOrbit {
   // dx(t)/dx, and n(x) = dx/dt at t = 0.
   BlockMatrix jacobian(const SmallVector& x, double t) const;
   SmallVector direction(const SmallVector& x) const;
+
+  int exponent() const;  // of the world's size; of a point: of its position in W
+
+ private:
+  SmallVector from_centre(const SmallVector& x) const;  // of what changes; else 0
 };
 
 }  // namespace slammot

@@ -10,7 +10,7 @@
 //
 //   J_v1 := J_v1 - r v1' / (|v1|^2 + e^2),   of the linear part of r,
 //
-// e being a tenth of the sigma of v1 in a step, below which no speed is known. (With all of it, or
+// e being a tenth of the sigma of v1 in a step, which keeps it finite at rest. (With all of it, or
 // with the posterior sigma of the speed, a share e^2/|v1|^2 of r is left in every frame, and a slow
 // camera's world shrinks.)
 //

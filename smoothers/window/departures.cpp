@@ -4,7 +4,13 @@
 
 namespace slammot {
 
+// Where the scale is kept. What was linearised at another estimate would seem to tell it.
+void Departures::linearise() {
+  if (graph_.keeps_scale()) graph_.linearise();
+}
+
 void Departures::marginalise(int frames, TrackHistories* histories) {
+  linearise();
   leaving_.clear();
   const bool is_full = static_cast<int>(cameras_.frames().size()) > frames;
   find(is_full ? &cameras_.oldest() : nullptr, histories);
@@ -17,6 +23,7 @@ void Departures::marginalise(int frames, TrackHistories* histories) {
 }
 
 void Departures::marginalise_motions() {
+  linearise();
   leaving_.clear();
   for (const auto& [track, landmark] : landmarks_.known) {
     if (landmark.drops) add(landmark, nullptr, false);
@@ -31,6 +38,7 @@ void Departures::marginalise_motions() {
 void Departures::move_to(const WindowLandmark& landmark, double rest_time,
                          const WindowFrame& base) {
   if (base.timestamp <= rest_time) return;
+  linearise();
   const int dim = graph_.models().landmark->dim();
   ChainStep step;
   step.dt = base.timestamp - rest_time;
@@ -51,6 +59,7 @@ void Departures::move_to(const WindowLandmark& landmark, double rest_time,
 void Departures::set_apart(const WindowLandmark& landmark) {
   leaving_.clear();
   if (graph_.prior().active.find(graph_[landmark.id].y) == nullptr) return;
+  linearise();
   leaving_.apart = landmark.id;
   marginaliser_(graph_, leaving_);
 }

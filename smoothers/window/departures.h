@@ -22,7 +22,7 @@ class Departures {
   void marginalise_motions();
 
   // A landmark that has just been released moves on from where it came to rest to this frame, by a
-  // step without noise. Its pixels up to there go into the prior as they were linearised.
+  // step without noise. Its pixels up to there go into the prior.
   void move_to(const WindowLandmark& landmark, double rest_time, const WindowFrame& base);
 
   // What the prior knows of a free landmark becomes p(y, w | core): it will be considered.
@@ -38,6 +38,7 @@ class Departures {
     Use use = Use::kUnused;
   };
 
+  void linearise();
   void find(const WindowFrame* oldest, TrackHistories* histories);
   void add(const WindowLandmark& landmark, const WindowFrame* oldest, bool is_pruned);
   Departure departure_of(const WindowLandmark& landmark, const WindowFrame* oldest,

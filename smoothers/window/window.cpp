@@ -18,10 +18,16 @@ constexpr int kMostPoles = 3;
 constexpr int kCeresIterations = 1000;
 constexpr double kCeresTolerance = 1e-18;  // below rounding: until steps change nothing
 
-// Where every step is taken the window is to be the EKF without (docs/frame.md).
-bool keeps_scale(const Setup& setup, const WindowOptions& options) {
-  return setup.known.empty() && options.linearisation == WindowLinearisation::kStandard &&
-         options.iterations > 1;
+// Why the scale is not kept though it is asked for; "": it is. Where every step is taken the window
+// is to be the EKF without (docs/frame.md).
+std::string without_scale(const Setup& setup, const WindowOptions& options) {
+  if (!setup.known.empty()) return "landmarks known beforehand";
+  if (options.linearisation == WindowLinearisation::kFej) return "window.linearisation=fej";
+  return options.iterations > 1 ? "" : "window.iterations=1";
+}
+
+bool keeps_scale(const Setup& setup, const ModelOptions& models, const WindowOptions& options) {
+  return models.gauge == Gauge::kScale && without_scale(setup, options).empty();
 }
 
 bool has_fixed_points(const WindowOptions& options) {
@@ -34,12 +40,13 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
                TrackHistories* histories)
     : setup_(setup),
       options_(options),
+      gauge_(models.gauge),
       condition_(models.collapse == Collapse::kCondition),
       remembers_(motion_memory(models, find_landmark(models.landmark, models.point)) > 0),
       functions_(find_landmark(models.landmark, models.point)),
       graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_,
               options.solver == WindowSolver::kCeres || noise_tells_scale(setup),
-              keeps_scale(setup, options), setup.initial.state.position},
+              keeps_scale(setup, models, options), setup.initial.state.position},
              has_fixed_points(options)),
       cameras_(graph_),
       optimiser_(options.iterations == 1 ? StepRule::kEvery : StepRule::kDescent),
@@ -99,7 +106,6 @@ void Window::widen(double factor) {
 void Window::update(std::span<const Observation> accepted, std::span<const int> considered,
                     StageListener& stages) {
   stages.begin("marginalise");
-  if (graph_.keeps_scale()) graph_.linearise();
   departures_.marginalise(options_.frames, histories_);
   departures_.reactivate(measured_);
   stages.begin("update");
@@ -319,7 +325,7 @@ WindowLandmark& Window::insert(int track, VariableId anchor, const Eigen::Vector
 
 void Window::in_force(InForce& result) const {
   const bool uses_ceres = options_.solver == WindowSolver::kCeres;
-  const auto state = [&](const char* name, const char* key, bool is_on, const char* because,
+  const auto state = [&](const char* name, const char* key, bool is_on, const std::string& because,
                          long acted) {
     result.push_back({name, key, is_on, is_on ? "" : because, is_on ? acted : 0});
   };
@@ -333,8 +339,14 @@ void Window::in_force(InForce& result) const {
                                                           : "landmarks known beforehand";
   state("scale kept by the camera noise (noise_scale.h)", "prior.spread",
         !graph_.models().noise_tells_scale, because, updated_);
-  // No key asks for it: it is on where no landmark is known and the window relinearises.
-  state("scale kept by the prior (scale_chart.h)", "", graph_.keeps_scale(), "", updated_);
+  state("scale kept while the estimate moves", "gauge", graph_.keeps_scale(),
+        gauge_ == Gauge::kScale ? without_scale(setup_, options_) : "", updated_);
+  state("heading kept while the estimate moves", "gauge", false,
+        gauge_ == Gauge::kHeading ? "a window keeps none" : "", 0);
+}
+
+double Window::scale_information() const {
+  return setup_.known.empty() ? information_of_scale(graph_)(0) : kUndefined;
 }
 
 int Window::state_size() const {

@@ -57,6 +57,7 @@ class Window final : public Belief {
   bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override;
 
   void in_force(InForce& result) const override;
+  double scale_information() const override;
   int state_size() const override;
   CameraEstimate camera() const override { return camera_; }
   std::optional<PoseEstimate> pose_before(int frames) const override {
@@ -91,6 +92,7 @@ class Window final : public Belief {
 
   Setup setup_;
   WindowOptions options_;
+  Gauge gauge_;     // that is asked for
   bool condition_;  // on collapse, w = 0 is used
   bool remembers_;  // and w is kept until the loop forgets it
   const LandmarkFunctions& functions_;

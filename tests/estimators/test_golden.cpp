@@ -73,7 +73,7 @@ TEST_P(Golden, FiguresFromBeforeTheWorkOnSpeedStay) {
   configuration.model.classifier.name = "thesis";
   configuration.model.gate.given_others = 1.0;
   configuration.model.policy.movers = Movers::kJoint;
-  configuration.ekf.gauge = Gauge::kNone;
+  configuration.model.gauge = Gauge::kNone;
   configuration.ekf.second_order = false;
   configuration.window.frames = 10;
   configuration.window.linearisation_error = 0.0;  // all iterations

@@ -122,7 +122,7 @@ TEST_P(PredictionsOf, OfWhatIsNotMeasuredAreAsIfItWere) {
 
 INSTANTIATE_TEST_SUITE_P(Estimators, PredictionsOf,
                          testing::Values(Options{"ekf", "ekf", {}},
-                                         Options{"ekf_heading", "ekf", {"ekf.gauge=heading"}},
+                                         Options{"ekf_heading", "ekf", {"gauge=heading"}},
                                          Options{"ekf_fej", "ekf", {"ekf.linearisation=fej"}},
                                          Options{"window", "window", {"window.frames=6"}}),
                          [](const auto& tested) { return tested.param.name; });

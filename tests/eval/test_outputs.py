@@ -88,11 +88,11 @@ class Outputs(unittest.TestCase):
     def test_what_is_in_force_is_in_every_file_and_on_the_page(self):
         self.slammot("simulate", *SHORT, "--output", self.sequence)
         run, page = self.folder / "run", self.folder / "page"
-        iterated = ["--set", "ekf.iterations=3", "--set", "ekf.gauge=scale", "--output", run]
+        iterated = ["--set", "ekf.iterations=3", "--set", "gauge=scale", "--output", run]
         said = self.slammot("run", self.sequence, "--estimator", "ekf", *iterated)
         self.assertIn("asked for, but without effect: ", said)
         stated = json.loads((run / "metrics.json").read_text(encoding="utf-8"))["in_force"]
-        scale = next(m for m in stated if m["key"] == "ekf.gauge" and m["because"])
+        scale = next(m for m in stated if m["key"] == "gauge" and m["because"])
         self.assertEqual((scale["state"], scale["acted"]), ("off", 0))
         self.assertIn(f"name: {scale['name']}", (run / "run.yaml").read_text(encoding="utf-8"))
         said = self.slammot("compare", self.sequence, "--set", "preset=thesis", "--verbose", "--output", page)

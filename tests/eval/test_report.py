@@ -397,7 +397,7 @@ class Report(unittest.TestCase):
         self.assertIn("Warned ekf: 1 of 12 runs warn. ekf-0, from frame 12: it is lost.", self.text_of_report(run_files=False))
 
     def test_what_is_in_force_is_told_of_each_run_that_states_it(self):
-        on = {"name": "scale kept", "key": "ekf.gauge", "state": "on", "because": "", "acted": 17}
+        on = {"name": "scale kept", "key": "gauge", "state": "on", "because": "", "acted": 17}
         stated = [[on], [{**on, "state": "off", "because": "ekf.iterations=3", "acted": 0}], []]
         for run, mechanisms in zip(self.comparison["runs"], stated):  # the last run was made elsewhere
             run["metrics"]["in_force"] = mechanisms
@@ -409,10 +409,10 @@ class Report(unittest.TestCase):
         self.assertNotIn("In force", self.text_of_report(run_files=False))
 
     def test_what_is_in_force_in_some_runs_of_a_cell_is_counted(self):
-        mechanism = {"name": "scale kept", "key": "ekf.gauge", "on": 3, "runs": 10, "because": "", "acted": 40}
+        mechanism = {"name": "scale kept", "key": "gauge", "on": 3, "runs": 10, "because": "", "acted": 40}
         off = {**mechanism, "on": 0, "because": "ekf.iterations=3"}
         group = {"cells": [{"in_force": [mechanism]}, {"in_force": [off]}, {"in_force": []}, {}]}
-        self.assertEqual(study_tables.in_force(group), [("scale kept", "ekf.gauge", [
+        self.assertEqual(study_tables.in_force(group), [("scale kept", "gauge", [
             ("on in 3 of 10, 40", ""), ("off", "ekf.iterations=3"), ("states nothing", ""), ("–", "")])])
 
     def test_filter_or_smoother_is_asked_of_both(self):

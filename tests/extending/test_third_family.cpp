@@ -85,7 +85,7 @@ class ThirdFamilyUndecided : public testing::Test {
     configuration_.model.labels.rule = LabelRule::kOneWay;
     configuration_.model.labels.first_frame = FirstFrameLabels::kStatic;
     configuration_.model.gate = {0.999999, 1.0};
-    configuration_.ekf.gauge = Gauge::kNone;
+    configuration_.model.gauge = Gauge::kNone;
     configuration_.ekf.second_order = false;  // unscented ones have their own
   }
 
@@ -141,7 +141,7 @@ TEST(ThirdFamily, LabelsAsTheEkfDoes) {
     configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
     configuration.model.classifier.name = "thesis";
     configuration.model.gate.given_others = 1.0;
-    configuration.ekf.gauge = Gauge::kNone;
+    configuration.model.gauge = Gauge::kNone;
     const RunResult ekf = judged(find_estimator("ekf"), sequence, configuration).run;
     const RunResult ukf = judged(kUnscented, sequence, configuration).run;
     EXPECT_LT(largest_difference(ekf, ukf), 1.0);

@@ -201,8 +201,12 @@ class EkfWithMemory : public testing::Test {
   }
 
   const Sequence sequence_ = simulate("circle", {{"moving", "0"}}, 3);
-  const EkfOptions options_{.linearisation = FilterLinearisation::kIdeal, .gauge = Gauge::kNone};
-  const ModelOptions models_;
+  const EkfOptions options_{.linearisation = FilterLinearisation::kIdeal};
+  const ModelOptions models_ = [] {
+    ModelOptions models;
+    models.gauge = Gauge::kNone;
+    return models;
+  }();
   slammot::Setup setup_;
   TrackRecords records_;
   std::vector<int> kept_;

@@ -298,7 +298,7 @@ struct Driven {
 };
 
 Driven drive(const Sequence& sequence, Configuration configuration, bool keeps_scale) {
-  configuration.ekf.gauge = keeps_scale ? Gauge::kScale : Gauge::kNone;
+  configuration.model.gauge = keeps_scale ? Gauge::kScale : Gauge::kNone;
   const slammot::Setup setup = make_setup(sequence, configuration);
   const auto ekf = make_ekf(setup, configuration.model, configuration.ekf);
   Driven result;

@@ -45,7 +45,7 @@ double heading_sigma(const std::string& linearisation, const std::string& gauge,
   sequence.initial->velocity_sigma = 10.0;  // a known velocity in W would tell north
   Configuration configuration;
   assign(configuration, {"ekf.linearisation", linearisation});
-  assign(configuration, {"ekf.gauge", gauge});
+  assign(configuration, {"gauge", gauge});
   assign(configuration, {"classifier", classifier});
   const RunResult run = run_estimator(sequence, configuration, "ekf");
   EXPECT_FALSE(run.diverged);

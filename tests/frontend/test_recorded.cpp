@@ -66,7 +66,7 @@ TEST(Recorded, OneConfigurationIsEnoughForACarAndAHand) {
   };
   for (const auto& [name, velocity_sigma, most_of_ekf, most_of_window] :
        {Recording{"kitti00", kCarVelocitySigma, 0.0141, 0.0131},
-        Recording{"synth19_images", kHandVelocitySigma, 0.0065, 0.0065}}) {
+        Recording{"synth19_images", kHandVelocitySigma, 0.0065, 0.003}}) {
     if (!is_here(name)) GTEST_SKIP() << name << " is not here";
     TrackOptions options;
     options.mixed_colours = true;

@@ -75,5 +75,23 @@ TEST(NoiseScale, WhatIsKnownOfTheScaleDoesNotGrow) {
   }
 }
 
+// Nothing metric enters once the first velocity has left the window. What is known of the scale is
+// never more again, whatever is marginalised, called static or released; a landmark that returns
+// brings back what it took along.
+TEST(NoiseScale, InformationOnTheScaleIsNeverMoreThanAtFirst) {
+  constexpr std::size_t kFull = 20;
+  constexpr double kOfNoise = 1e-3;  // what e leaves
+  for (const char* scene : {"circle", "square"}) {
+    const Sequence sequence = simulate(scene, {{"known", "0"}, {"frames", "100"}}, 9310);
+    const RunResult run = run_estimator(sequence, Configuration{}, "window");
+    ASSERT_EQ(run.scale_information.size(), 100u);
+    EXPECT_GT(run.scale.stated, 4.0);
+    const double at_first = run.scale_information[kFull];
+    for (std::size_t i = kFull; i < 100; ++i) {
+      EXPECT_LT(run.scale_information[i], (1.0 + kOfNoise) * at_first) << scene << ", frame " << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace slammot

@@ -106,8 +106,8 @@ TEST(Configuration, WhatIsGoneIsRefusedWithWhatToUseInstead) {
   const std::pair<const char*, const char*> gone[] = {
       {"classifier=bayes_factor", "use classifier=odds"},
       {"classifier.static_factor=20", "use classifier.decisive_odds"},
-      {"ekf.equivariant_scale=false", "use ekf.gauge (scale; false: none)"},
-      {"ekf.linearisation=invariant", "use ekf.gauge=heading"},
+      {"ekf.equivariant_scale=false", "use gauge (scale; false: none)"},
+      {"ekf.linearisation=invariant", "use gauge=heading"},
       {"ekf.static_enough=12", "use policy.movers (considered: as with 12; joint: as with 0)"},
       {"initial.velocity_sigma=1", "use the sequence's initial.yaml"},
       {"policy.lost_after=7", "use policy.prune_after"},
@@ -140,7 +140,7 @@ TEST(Preset, SingleKeysOverrideItWhateverTheirOrder) {
   EXPECT_EQ(first, last);
   EXPECT_EQ(first.at("preset"), "thesis");
   EXPECT_EQ(first.at("collapse"), "condition");
-  EXPECT_EQ(first.at("ekf.gauge"), "none");
+  EXPECT_EQ(first.at("gauge"), "none");
   EXPECT_EQ(first.at("window.frames"), "5");
   // A key that is given its default is given all the same.
   EXPECT_EQ(values_of({"labels=reversible", "preset=thesis"}).at("labels"), "reversible");

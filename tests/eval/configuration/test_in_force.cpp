@@ -39,10 +39,10 @@ std::vector<Option> options_of(const std::string& estimator) {
                                  {"labels.first_frame", {"static", "unknown", "odds"}},
                                  {"policy.movers", {"joint", "considered"}},
                                  {"motion.adaptive", {"false", "true"}},
+                                 {"gauge", {"none", "heading", "scale"}},
                                  {"prior.source", {"fixed", "empirical"}}};
   const std::vector<Option> of_filters = {{"ekf.linearisation", {"standard", "fej", "ideal"}},
                                           {"ekf.iterations", {"1", "3"}},
-                                          {"ekf.gauge", {"none", "heading", "scale"}},
                                           {"ekf.second_order", {"false", "true"}}};
   const std::vector<Option> of_windows = {{"window.linearisation", {"standard", "fej"}},
                                           {"window.iterations", {"1", "5"}},

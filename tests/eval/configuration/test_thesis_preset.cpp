@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kTyped =
     "labels=one_way labels.sightings=2 labels.memory=0 ekf.second_order=false policy.movers=joint "
-    "ekf.gauge=none "
+    "gauge=none "
     "motion.adaptive=false classifier=thesis gate.given_others=1 collapse=drop prior.source=fixed "
     "prior.steady_time=0 ";
 

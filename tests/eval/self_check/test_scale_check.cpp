@@ -133,7 +133,7 @@ RunResult without_known(const std::string& estimator, bool keeps_scale = true) {
   Configuration configuration;
   configuration.prior.mean_sigma = 1.0;
   configuration.window.frames = 60;
-  configuration.ekf.gauge = keeps_scale ? Gauge::kScale : Gauge::kNone;
+  configuration.model.gauge = keeps_scale ? Gauge::kScale : Gauge::kNone;
   return run_estimator(sequence, configuration, estimator);
 }
 
