@@ -92,9 +92,8 @@ struct FrameReport {
   double nis_sum = 0.0;    // sum over the accepted of their 2-dof normalised innovation squared
   double joint_nis = 0.0;  // nu' S^-1 nu of all accepted together, of 2 dof each; NaN: not stated
   int state_size = 0;      // dimension of the error state after the frame
-  // Of the log of the world's scale, as the estimator holds it: where nothing metric enters it is
-  // never more than was stated.
-  // NaN: not stated, as of a filter, or where a landmark is known beforehand.
+  // Of the log of the world's scale, as the estimator holds it: where nothing metric enters, never
+  // more than was stated. NaN: not stated, as of a filter or with landmarks known beforehand.
   double scale_information = kUndefined;
   int negative_inverse_depth = 0;       // landmarks believed behind infinity (legal, counted)
   std::vector<Prediction> predictions;  // by track; where asked for (Estimator::keep_predictions)
