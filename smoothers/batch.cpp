@@ -1,9 +1,9 @@
 #include "smoothers/batch.h"
 
 #include "estimation/loop/frame_loop.h"
+#include "smoothers/ceres/ceres_solve.h"
 #include "smoothers/graph/least_noise.h"
 #include "smoothers/scale/noise_scale.h"
-#include "smoothers/solver/ceres_solve.h"
 #include "smoothers/window/window.h"
 
 namespace slammot {

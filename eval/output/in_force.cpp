@@ -14,7 +14,7 @@ constexpr const char *kOn = "on", *kOff = "off";
 bool is_without_effect(const Mechanism& m) { return !m.is_on && !m.because.empty(); }
 
 // The names of all runs' mechanisms, each once, in their order.
-std::vector<std::string> names_of(const std::vector<NamedMetrics>& results) {
+std::vector<std::string> mechanisms_of(const std::vector<NamedMetrics>& results) {
   std::vector<std::string> names;
   for (const NamedMetrics& r : results) {
     for (const Mechanism& m : r.metrics.in_force.value_or(InForce{})) {
@@ -56,7 +56,7 @@ InForce in_force_of(const Json& json) {
 }
 
 std::string in_force_table(const std::vector<NamedMetrics>& results) {
-  const std::vector<std::string> names = names_of(results);
+  const std::vector<std::string> names = mechanisms_of(results);
   if (names.empty()) return "";
   std::vector<TextRow> rows = {{"in force"}};
   for (const std::string& name : names) rows.push_back({printable(name)});

@@ -1,6 +1,5 @@
 #include "eval/python/child_process.h"
 
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -8,29 +7,16 @@
 #include <cerrno>
 #include <cstring>
 
+#include "eval/python/spawn.h"
+
 namespace slammot {
-namespace {
-
-std::vector<char*> pointers(std::vector<std::string>& words) {
-  std::vector<char*> result;
-  for (std::string& word : words) result.push_back(word.data());
-  result.push_back(nullptr);
-  return result;
-}
-
-}  // namespace
 
 ChildProcess::ChildProcess(std::vector<std::string> words, std::vector<std::string> environment) {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
     throw ChildEnded(std::string("no socket: ") + std::strerror(errno));
   }
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
-  const int error = posix_spawnp(&child_, words[0].c_str(), &actions, nullptr,
-                                 pointers(words).data(), pointers(environment).data());
-  posix_spawn_file_actions_destroy(&actions);
+  const int error = spawn(words, std::move(environment), ends[1], child_);
   ::close(ends[1]);
   socket_ = ends[0];
   if (error == 0) return;

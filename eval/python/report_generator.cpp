@@ -1,13 +1,13 @@
 #include "eval/python/report_generator.h"
 
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/wait.h>
 
 #include <string>
 #include <vector>
 
 #include "eval/python/interpreter.h"
+#include "eval/python/spawn.h"
 
 namespace slammot {
 namespace {
@@ -16,24 +16,13 @@ using Path = std::filesystem::path;
 
 constexpr int kDone = 0, kFailed = 1, kBadInput = 2;
 
-std::vector<char*> pointers(std::vector<std::string>& words) {
-  std::vector<char*> result;
-  for (std::string& word : words) result.push_back(word.data());
-  result.push_back(nullptr);
-  return result;
-}
-
-// Its exit code. Without a shell, so that no character of a path means anything.
+// Its exit code.
 int run_program(std::vector<std::string> words) {
   // Modules are looked for in the package alone, not in the folder where the user stands.
   std::vector<std::string> environment = python_environment();
   environment.emplace_back("PYTHONSAFEPATH=1");
-  const std::vector<char*> arguments = pointers(words), variables = pointers(environment);
   pid_t child = 0;
-  if (posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), variables.data()) !=
-      0) {
-    return kFailed;
-  }
+  if (spawn(std::move(words), std::move(environment), -1, child) != 0) return kFailed;
   int status = 0;
   if (waitpid(child, &status, 0) != child || !WIFEXITED(status)) return kFailed;
   return WEXITSTATUS(status);

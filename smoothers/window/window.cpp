@@ -5,8 +5,8 @@
 #include "estimation/loop/frame_loop.h"
 #include "estimation/modules/label_revision.h"
 #include "models/points/initialisation.h"
+#include "smoothers/ceres/ceres_solve.h"
 #include "smoothers/scale/noise_scale.h"
-#include "smoothers/solver/ceres_solve.h"
 #include "smoothers/window/slide_along_scale.h"
 
 namespace slammot {

@@ -5,7 +5,8 @@
 #include <random>
 
 #include "models/camera_motion.h"
-#include "smoothers/solver/cost_functions.h"
+#include "smoothers/ceres/cost_functions.h"
+#include "smoothers/ceres/manifolds.h"
 #include "tests/smoothers/fixture/cameras.h"
 
 namespace slammot {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "estimation/estimator.h"
-#include "smoothers/solver/ceres_solve.h"
+#include "smoothers/ceres/ceres_solve.h"
 #include "smoothers/solver/optimise.h"
 #include "tests/smoothers/fixture/dense.h"
 #include "tests/smoothers/fixture/posterior.h"

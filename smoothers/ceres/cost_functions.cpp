@@ -1,6 +1,8 @@
-#include "smoothers/solver/cost_functions.h"
+#include "smoothers/ceres/cost_functions.h"
 
 #include <ceres/sized_cost_function.h>
+
+#include "smoothers/ceres/manifolds.h"
 
 namespace slammot {
 namespace {
@@ -8,14 +10,6 @@ namespace {
 using Block3 = Eigen::Map<const Eigen::Vector3d>;
 template <int Rows, int Cols>
 using RowMajor = Eigen::Matrix<double, Rows, Cols, Cols == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
-
-// The imaginary directions at q: d(q Exp(d))/dd = A/2, with orthonormal columns.
-Eigen::Matrix<double, 4, 3> tangent_basis(const double* q) {
-  const double x = q[0], y = q[1], z = q[2], w = q[3];
-  Eigen::Matrix<double, 4, 3> A;
-  A << w, -z, y, z, w, -x, -y, x, w, -x, -y, -z;
-  return A;
-}
 
 Eigen::Quaterniond orientation(const double* q) {
   return Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(q));
@@ -298,49 +292,6 @@ class MarginalPriorCost final : public ceres::CostFunction {
 };
 
 }  // namespace
-
-bool OrientationManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
-  Eigen::Map<Eigen::Vector4d>(x_plus_delta, 4) =
-      plus(true, Eigen::Map<const Eigen::Vector4d>(x), Block3(delta));
-  return true;
-}
-
-bool OrientationManifold::Minus(const double* y, const double* x, double* y_minus_x) const {
-  Eigen::Map<Eigen::Vector3d>(y_minus_x, 3) =
-      minus(true, Eigen::Map<const Eigen::Vector4d>(y), Eigen::Map<const Eigen::Vector4d>(x));
-  return true;
-}
-
-bool OrientationManifold::PlusJacobian(const double* x, double* jacobian) const {
-  Eigen::Map<RowMajor<4, 3>>(jacobian, 4, 3) = 0.5 * tangent_basis(x);
-  return true;
-}
-
-bool OrientationManifold::MinusJacobian(const double* x, double* jacobian) const {
-  Eigen::Map<RowMajor<3, 4>>(jacobian, 3, 4) = 2.0 * tangent_basis(x).transpose();
-  return true;
-}
-
-bool FarPointManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
-  Eigen::Map<Eigen::Vector3d>(x_plus_delta, 3) =
-      Block3(x) + limited_step(point_, Block3(x), Block3(delta), farthest_).step;
-  return true;
-}
-
-bool FarPointManifold::Minus(const double* y, const double* x, double* y_minus_x) const {
-  Eigen::Map<Eigen::Vector3d>(y_minus_x, 3) = Block3(y) - Block3(x);
-  return true;
-}
-
-bool FarPointManifold::PlusJacobian(const double*, double* jacobian) const {
-  Eigen::Map<RowMajor<3, 3>>(jacobian, 3, 3).setIdentity();
-  return true;
-}
-
-bool FarPointManifold::MinusJacobian(const double*, double* jacobian) const {
-  Eigen::Map<RowMajor<3, 3>>(jacobian, 3, 3).setIdentity();
-  return true;
-}
 
 Cost initial_camera_cost(const InitialCamera& initial) {
   return std::make_unique<InitialCameraCost>(initial);

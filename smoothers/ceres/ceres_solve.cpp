@@ -1,9 +1,10 @@
-#include "smoothers/solver/ceres_solve.h"
+#include "smoothers/ceres/ceres_solve.h"
 
 #include <ceres/solver.h>
 
 #include "estimation/estimator.h"
-#include "smoothers/solver/cost_functions.h"
+#include "smoothers/ceres/cost_functions.h"
+#include "smoothers/ceres/manifolds.h"
 
 namespace slammot {
 
