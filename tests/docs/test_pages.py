@@ -80,8 +80,14 @@ def long_sentences_of(text):
         else:
             blocks[-1].append(line)
     for block in blocks:
-        plain = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", " ".join(block))
-        yield from (s for s in re.split(r"(?<=[.!?])\s+", plain) if words_of(s) > MOST_WORDS_OF_A_SENTENCE)
+        yield from too_long(r"(?<=[.!?])\s+", " ".join(block))
+    for item in re.split(r"\n\s*\n|\n(?=\s*(?:[-*]|\d+\.)\s)", "\n".join(line for block in blocks for line in [*block, ""])):
+        yield from too_long(r"(?<=[.!?])\s+(?=[A-Z])", item.replace("\n", " "))
+
+
+def too_long(end, text):
+    plain = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", text)
+    return [s for s in re.split(end, plain) if words_of(s) > MOST_WORDS_OF_A_SENTENCE]
 
 
 def words_of(text):

@@ -15,9 +15,9 @@ SERIES = ("per_frame", "by_age", "tracks", "axes", "warnings", "configuration", 
 HEADING = ("version", "name", "title", "runs", "first_seed", "provenance")
 OF_GROUP = ("name", "scenario", "sequence", "seeds", "scene", "sweep", "pairs")
 COLUMNS = ("runs", "failed", "diverged", "failed, not warned", "ATE Sim(3) [m]", "scale", "position RMSE [m]", "ANEES pose (6)",
-           "ANEES position (3)", "frames inside", "RMSE over ideal sigma", "time per frame [ms]")
+           "ANEES position (3)", "frames inside", "scale, largest", "RMSE over ideal sigma", "time per frame [ms]")
 NEVER = ("–", "0", "0.0%")  # a column of these says nothing
-MAY_BE_ABSENT = ("failed", "diverged", "failed, not warned")
+MAY_BE_ABSENT = ("failed", "diverged", "failed, not warned", "scale, largest")
 TABLES = ("ranking", "classification")
 
 
