@@ -71,12 +71,22 @@ std::string in_force_table(const std::vector<NamedMetrics>& results) {
   return aligned(rows, 1) + "on, N: it acted N times. off*: asked for, but without effect.\n";
 }
 
+namespace {
+
+/// Another option took it away: the user set two that do not go together. What the run itself rules
+/// out (landmarks known beforehand keep the scale) stands in the table and needs no line.
+bool is_conflict(const Mechanism& m) {
+  return is_without_effect(m) && m.because.find('=') != std::string::npos;
+}
+
+}  // namespace
+
 std::string without_effect_lines(const std::vector<NamedMetrics>& results) {
   std::string text;
   for (const NamedMetrics& r : results) {
     std::vector<std::string> said;
     for (const Mechanism& m : r.metrics.in_force.value_or(InForce{})) {
-      if (is_without_effect(m)) said.push_back(fmt::format("{} ({})", m.key, m.because));
+      if (is_conflict(m)) said.push_back(fmt::format("{} ({})", m.key, m.because));
     }
     if (said.empty()) continue;
     text += printable(fmt::format("{}: asked for, but without effect: {}", r.label,

@@ -16,7 +16,8 @@ InForce in_force_of(const Json& json);
 // A row per mechanism, a column per run that states any; empty where none does.
 std::string in_force_table(const std::vector<NamedMetrics>& results);
 
-// One line about each run for which an option is on that is without effect; empty without any.
+// One line about each run in which one option took the effect of another; empty without any. What
+// the run itself rules out (known landmarks keep the scale) stands in the table only.
 std::string without_effect_lines(const std::vector<NamedMetrics>& results);
 
 }  // namespace slammot
