@@ -49,13 +49,18 @@ inline constexpr Choice<DepthPriorSource> kDepthPriorSources[] = {
 // Landmarks measured at once where nothing says how many a sequence has in view.
 inline constexpr int kUsuallyVisible = 60;
 
+// A static landmark may be hidden for a while: it is given so many times the patience of a free
+// one.
+inline constexpr double kMissedByStatic = 6.0;
+
 // Admission, removal, the size of the map, and who corrects the camera; see track_policy.h.
 struct TrackPolicy {
   int max_landmarks = 1000;  // landmarks in the state at once
   // Births wait while this many landmarks are being measured; unset: kUsuallyVisible.
   std::optional<int> max_visible;
-  int prune_after = 5;          // frames without an accepted measurement until it is pruned
-  int prune_missed_after = 30;  // frames that should have shown it, until a static one is pruned
+  // Frames without an accepted measurement until it is pruned; kMissedByStatic times as many that
+  // should have shown it, if it is static.
+  int prune_after = 5;
   Movers movers = Movers::kJoint;
   bool delayed = false;  // unknown landmarks are considered too (estimator `delayed`)
 };

@@ -38,7 +38,7 @@ void note_decision(TrackRecord& record, Label label, int frame) {
 
 bool is_pruned(const TrackRecord& record, const TrackPolicy& policy) {
   if (record.rejected_in_row > policy.prune_after) return true;
-  if (record.missed > policy.prune_missed_after) return true;
+  if (record.missed > kMissedByStatic * policy.prune_after) return true;
   return record.label != Label::kStatic && record.unused_frames > policy.prune_after;
 }
 

@@ -59,11 +59,10 @@ std::vector<ConfigurationKey> model_keys() {
           "no births while so many are being measured; sequence: as many points as its front end "
           "looked for, 60 at least",
           kPositive, SLAMMOT_FIELD(model.policy.max_visible)),
-      number("policy.prune_after", "frames without a measurement until a landmark is pruned",
+      number("policy.prune_after",
+             "frames without a measurement until a landmark is pruned; of a static one, six times "
+             "as many that should have shown it",
              kPositive, SLAMMOT_FIELD(model.policy.prune_after)),
-      number("policy.prune_missed_after",
-             "frames that should have shown a static landmark until it is pruned", kPositive,
-             SLAMMOT_FIELD(model.policy.prune_missed_after)),
       option<Movers>("policy.movers",
                      "moving landmarks correct the camera too (thesis), or only themselves where "
                      "enough static ones are measured",

@@ -56,7 +56,6 @@ constexpr LeftOpen kLeftOpen[] = {
     {"policy.max_landmarks", "bounds the cost of a frame"},
     {"policy.max_visible", "births wait while so many are measured: bounds the cost of a frame"},
     {"policy.prune_after", "frames: a map without pruning keeps every wrong match"},
-    {"policy.prune_missed_after", "frames: likewise, of static landmarks"},
 };
 
 const ConfigurationKey& key_named(std::string_view name) {

@@ -163,7 +163,7 @@ TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {
   TrackRecord fixed = initialised(2, 0, Label::kStatic, {});
   fixed.unused_frames = 10000;
   EXPECT_FALSE(is_pruned(fixed, policy));  // it stays in the map
-  for (int i = 0; i < policy.prune_missed_after; ++i) note_unused(fixed, true);
+  for (int i = 0; i < kMissedByStatic * policy.prune_after; ++i) note_unused(fixed, true);
   note_unused(fixed, false);
   EXPECT_FALSE(is_pruned(fixed, policy));
   note_unused(fixed, true);

@@ -30,12 +30,12 @@ TEST_F(LandmarkLife, PrunesWhatIsNotMeasuredAndStartsItsTrackAnew) {
 
 TEST_F(LandmarkLife, PrunesAStaticLandmarkThatShouldBeInViewAndIsNot) {
   ModelOptions models;
-  models.policy.prune_missed_after = 3;
+  models.policy.prune_after = 1;
   start(models);
   frame({1, 2});
   belief_->state.at(2).in_view = true;
-  for (int i = 0; i < 3; ++i) frame({1});
-  EXPECT_TRUE(loop_->records().contains(2));  // straight ahead of the camera, three frames missed
+  for (int i = 0; i < kMissedByStatic; ++i) frame({1});
+  EXPECT_TRUE(loop_->records().contains(2));  // straight ahead of the camera, six frames missed
   frame({1});
   EXPECT_FALSE(loop_->records().contains(2));
 }

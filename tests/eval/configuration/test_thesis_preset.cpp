@@ -35,7 +35,7 @@ const TypedCell kCells[] = {
     {"table_4_1_thesis", "with a gate",
      "labels.first_frame=static landmark=dynamic_inverse_depth motion.discretisation=impulse "
      "gate.probability=0.95 policy.max_landmarks=100000 policy.max_visible=100000 "
-     "policy.prune_after=100000 policy.prune_missed_after=100000"},
+     "policy.prune_after=100000"},
     {"fig_3_1", "ekf",
      "landmark=dynamic_inverse_depth window.frames=10 window.iterations=5 "
      "classifier.static_threshold=1e12 classifier.moving_threshold=1e12"},
