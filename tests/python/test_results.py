@@ -80,6 +80,13 @@ class Repository(unittest.TestCase):
         self.write("eval/x.cpp", "y")
         self.commit()
         self.assertEqual(results.state(self.root, "a"), "stale: the code or the study has changed")
+        self.record("a", self.git("rev-parse", "HEAD"))
+        self.write("eval/x.cpp", "y  // why\n")
+        self.commit()
+        self.assertEqual(results.state(self.root, "a"), "up to date")  # a comment changes no figure
+        self.write("eval/x.cpp", 'y "// text"')
+        self.commit()
+        self.assertEqual(results.state(self.root, "a"), "stale: the code or the study has changed")
         self.record("a", "0" * 40)
         self.assertEqual(results.state(self.root, "a"), "stale: its commit is not known here")
 
