@@ -39,7 +39,7 @@ bool FrameGate::accepts_moved(const FrameInnovation& frame, std::size_t i, doubl
   return squared(frame.nu[i], S(i, i) + moved) <= given_others_;
 }
 
-void FrameGate::sort(const FrameInnovation& frame) {
+void FrameGate::judge(const FrameInnovation& frame) {
   const std::size_t n = frame.z.size();
   S_.resize(row(n), row(n));
   *S_ = (*frame.HPHt).selfadjointView<Eigen::Lower>();

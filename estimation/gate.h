@@ -10,8 +10,8 @@
 // begin (one-point consensus, Civera et al. 2010). Of those that agree the worst is dropped, given
 // all others, until all pass. Then what passes given them comes in.
 //
-// A camera that moves as one frame in twenty has it takes all its points beyond a quantile of 95%
-// at once. So where fewer than half pass on their own and agree, it is asked which agree with one
+// A camera step of a size met once in twenty frames takes all points beyond a quantile of 95% at
+// once. So where fewer than half pass on their own and agree, it is asked which agree with one
 // whether or not they pass. If these are the majority, and at least five, none is judged on its own
 // in this frame.
 #pragma once
@@ -53,7 +53,7 @@ class FrameGate {
         pixel_sigma_(pixel_sigma) {}
 
   // Throws Diverged when S is not positive definite.
-  void sort(const FrameInnovation& frame);
+  void judge(const FrameInnovation& frame);
 
   // Of the frame sorted last, by the place of the measurement.
   Eigen::Matrix2d S(std::size_t i) const { return S(i, i); }

@@ -1,6 +1,7 @@
 // The EKF of the thesis: joint covariance of camera and all landmarks, undelayed initialisation. A
 // belief of the frame loop (estimation/loop/frame_loop.h); the functions stand in the order of a
-// frame. Those of the rows of landmarks are in landmarks.cpp.
+// frame. How the rows of a landmark begin, move and end is in landmarks.cpp; the covariance of any
+// block, in covariance/.
 #pragma once
 
 #include "estimation/belief.h"

@@ -37,10 +37,11 @@ std::optional<ObservedPixel> linearised(const JointState& state, const Devices& 
   return there;
 }
 
-void stack_J_pose(Innovation& z) {
-  z.J_pose.resize(z.rows(), 6);
-  for (Index i = 0; i < std::ssize(z.predicted); ++i) {
-    (*z.J_pose).middleRows<2>(2 * i) = z.predicted[static_cast<std::size_t>(i)].J_pose;
+void stack_J_pose(Innovation& innovation) {
+  innovation.J_pose.resize(innovation.rows(), 6);
+  for (Index i = 0; i < std::ssize(innovation.predicted); ++i) {
+    (*innovation.J_pose).middleRows<2>(2 * i) =
+        innovation.predicted[static_cast<std::size_t>(i)].J_pose;
   }
 }
 
@@ -57,30 +58,31 @@ void add_J_w(const JointState& state, const Devices& devices, int track, const M
 }
 
 // P H': a measurement touches 6 + 3 + 3 columns of P.
-void fill_P_Ht(const JointState& state, const Devices& devices, Innovation& z) {
+void fill_P_Ht(const JointState& state, const Devices& devices, Innovation& innovation) {
   const JointCovariance& P = state.covariance;
-  z.P_Ht.resize(P.size(), z.rows());
-  if (z.rows() == 0) return;
-  stack_J_pose(z);
-  z.columns.resize(P.size(), 6);
-  P.columns(JointState::kPose, *z.columns);
-  auto P_Ht = *z.P_Ht;
-  P_Ht.noalias() = *z.columns * (*z.J_pose).transpose();
-  for (std::size_t i = 0; i < z.matches.size(); ++i) {
-    const FilterLandmark& landmark = state.landmarks.at(z.matches[i].track);
+  innovation.P_Ht.resize(P.size(), innovation.rows());
+  if (innovation.rows() == 0) return;
+  stack_J_pose(innovation);
+  innovation.columns.resize(P.size(), 6);
+  P.columns(JointState::kPose, *innovation.columns);
+  auto P_Ht = *innovation.P_Ht;
+  P_Ht.noalias() = *innovation.columns * (*innovation.J_pose).transpose();
+  for (std::size_t i = 0; i < innovation.matches.size(); ++i) {
+    const FilterLandmark& landmark = state.landmarks.at(innovation.matches[i].track);
     const StateBlock anchor = state.anchors.at(landmark.anchor).block;
     const auto columns = P_Ht.middleCols<2>(static_cast<Index>(2 * i));
-    P.add_columns(anchor, z.predicted[i].J_anchor, columns);
-    P.add_columns(landmark.y_block, z.predicted[i].J_y, columns);
-    add_J_w(state, devices, z.matches[i].track, z.predicted[i].J_y, columns);
+    P.add_columns(anchor, innovation.predicted[i].J_anchor, columns);
+    P.add_columns(landmark.y_block, innovation.predicted[i].J_y, columns);
+    add_J_w(state, devices, innovation.matches[i].track, innovation.predicted[i].J_y, columns);
   }
 }
 
 // The rows of H x of match i, for a matrix x with the state's rows.
 template <typename X, typename Out>
-void rows_of_H(const JointState& state, const Innovation& z, std::size_t i, const X& x, Out&& out) {
-  const ObservedPixel& h = z.predicted[i];
-  const FilterLandmark& landmark = state.landmarks.at(z.matches[i].track);
+void rows_of_H(const JointState& state, const Innovation& innovation, std::size_t i, const X& x,
+               Out&& out) {
+  const ObservedPixel& h = innovation.predicted[i];
+  const FilterLandmark& landmark = state.landmarks.at(innovation.matches[i].track);
   const int anchor = state.anchors.at(landmark.anchor).block.offset;
   out = h.J_pose.lazyProduct(x.template topRows<6>()) +
         h.J_anchor.lazyProduct(x.template middleRows<3>(anchor)) +
@@ -104,32 +106,32 @@ void solve_on_the_right(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<E
 }
 
 // P H' becomes W = P H' L'^-1 with S = L L', so that W W' = P H' S^-1 H P, and dx = W L^-1 nu.
-void solve(Innovation& z) {
-  auto S = *z.S;
-  const int size = static_cast<int>(z.rows());
+void solve(Innovation& innovation) {
+  auto S = *innovation.S;
+  const int size = static_cast<int>(innovation.rows());
   int info = 0;
   dpotrf_("L", &size, S.data(), &size, &info);
   if (info != 0) throw Diverged("the innovation covariance is not positive definite");
-  auto W = *z.P_Ht;
+  auto W = *innovation.P_Ht;
   solve_on_the_right(S, W);
-  auto nu = z.stacked_nu();
+  auto nu = innovation.stacked_nu();
   S.triangularView<Eigen::Lower>().solveInPlace(nu);
-  z.dx.resize(W.rows(), 1);
-  (*z.dx).noalias() = W * nu;
-  if (!(*z.dx).allFinite()) throw Diverged("the correction of the state is not finite");
+  innovation.dx.resize(W.rows(), 1);
+  (*innovation.dx).noalias() = W * nu;
+  if (!(*innovation.dx).allFinite()) throw Diverged("the correction of the state is not finite");
 }
 
 // The innovation at an iterate x_i = x [+] dx, written as one of the prior's coordinates: with
-// dr = J_r dtheta the Jacobian of the iterate, H~ = H dr and nu~ = z - h(x_i) + H~ dx. Where the
-// linearisation point is fixed, H~ = H.
+// dr = J_r dtheta the Jacobian of the iterate, H~ = H dr and nu~ = z - h(x_i) + H~ dx.
+// Where the linearisation point is fixed, H~ = H.
 void relinearise(const JointState& prior, const Devices& devices, const Camera& camera,
-                 const Innovation& first, Innovation& z) {
-  const Eigen::VectorXd dx = *z.dx;
+                 const Innovation& first, Innovation& innovation) {
+  const Eigen::VectorXd dx = *innovation.dx;
   JointState iterate{prior.camera, prior.scene, prior.anchors, prior.landmarks, {}, {}, prior.time};
   iterate.move(dx);
   const Eigen::Matrix3d J_r = right_jacobian_so3(dx.segment<3>(kRotation));
-  z.nu = first.nu;
-  z.predicted = first.predicted;
+  innovation.nu = first.nu;
+  innovation.predicted = first.predicted;
   std::vector<bool> evaluated(first.matches.size(), false);
   for (std::size_t k = 0; k < first.matches.size(); ++k) {
     const FilterLandmark& landmark = iterate.landmarks.at(first.matches[k].track);
@@ -138,16 +140,16 @@ void relinearise(const JointState& prior, const Devices& devices, const Camera& 
                 iterate.anchors.at(landmark.anchor).position, landmark.y);
     if (!h) continue;  // keeps the residual and linearisation it had
     evaluated[k] = true;
-    z.nu[k] = first.matches[k].pixel - h->pixel;
+    innovation.nu[k] = first.matches[k].pixel - h->pixel;
     if (!devices.linearisation.at_estimate()) continue;
-    z.predicted[k] = *h;
-    z.predicted[k].J_pose.rightCols<3>() *= J_r;
+    innovation.predicted[k] = *h;
+    innovation.predicted[k].J_pose.rightCols<3>() *= J_r;
   }
-  fill_P_Ht(prior, devices, z);
+  fill_P_Ht(prior, devices, innovation);
   for (std::size_t k = 0; k < evaluated.size(); ++k) {
     Eigen::Matrix<double, 2, 1> H_dx;
-    rows_of_H(prior, z, k, dx, H_dx);
-    if (evaluated[k]) z.nu[k] += H_dx;
+    rows_of_H(prior, innovation, k, dx, H_dx);
+    if (evaluated[k]) innovation.nu[k] += H_dx;
   }
 }
 
@@ -188,15 +190,15 @@ std::optional<Prediction> predict_pixel(const JointState& state, const Devices& 
 }
 
 // The camera's part of all matches in one product, then each landmark's.
-void fill_HPHt(const JointState& state, Innovation& z, GrowingMatrix& result) {
-  result.resize(z.rows(), z.rows());
+void fill_HPHt(const JointState& state, Innovation& innovation, GrowingMatrix& result) {
+  result.resize(innovation.rows(), innovation.rows());
   auto S = *result;
-  const auto P_Ht = *z.P_Ht;
-  stack_J_pose(z);  // some matches may have gone since P H' was filled
-  S.noalias() = *z.J_pose * P_Ht.topRows<6>();
-  for (std::size_t i = 0; i < z.matches.size(); ++i) {
-    const ObservedPixel& h = z.predicted[i];
-    const FilterLandmark& landmark = state.landmarks.at(z.matches[i].track);
+  const auto P_Ht = *innovation.P_Ht;
+  stack_J_pose(innovation);  // some matches may have gone since P H' was filled
+  S.noalias() = *innovation.J_pose * P_Ht.topRows<6>();
+  for (std::size_t i = 0; i < innovation.matches.size(); ++i) {
+    const ObservedPixel& h = innovation.predicted[i];
+    const FilterLandmark& landmark = state.landmarks.at(innovation.matches[i].track);
     const int anchor = state.anchors.at(landmark.anchor).block.offset;
     const auto row = static_cast<Index>(2 * i);
     for (Index column = 0; column < row + 2; ++column) {
@@ -205,32 +207,32 @@ void fill_HPHt(const JointState& state, Innovation& z, GrowingMatrix& result) {
           h.J_y.lazyProduct(P_Ht.block<3, 1>(landmark.y_block.offset, column));
     }
   }
-  add_second_order(state, z, result);
+  add_second_order(state, innovation, result);
 }
 
-void keep(std::span<const Observation> accepted, Innovation& z) {
-  auto P_Ht = *z.P_Ht, P_rho = *z.P_rho;
+void keep(std::span<const Observation> accepted, Innovation& innovation) {
+  auto P_Ht = *innovation.P_Ht, P_rho = *innovation.P_rho;
   std::size_t kept = 0;
   for (std::size_t i = 0; kept < accepted.size(); ++i) {
-    assert(i < z.matches.size());
-    if (z.matches[i].track != accepted[kept].track) continue;
+    assert(i < innovation.matches.size());
+    if (innovation.matches[i].track != accepted[kept].track) continue;
     if (kept < i) {
-      z.matches[kept] = z.matches[i];
-      z.predicted[kept] = z.predicted[i];
-      z.nu[kept] = z.nu[i];
-      z.products[kept] = z.products[i];
+      innovation.matches[kept] = innovation.matches[i];
+      innovation.predicted[kept] = innovation.predicted[i];
+      innovation.nu[kept] = innovation.nu[i];
+      innovation.products[kept] = innovation.products[i];
       if (P_rho.cols() > 0) P_rho.col(static_cast<Index>(kept)) = P_rho.col(static_cast<Index>(i));
       P_Ht.middleCols<2>(static_cast<Index>(2 * kept)) =
           P_Ht.middleCols<2>(static_cast<Index>(2 * i));
     }
     ++kept;
   }
-  z.matches.resize(kept);
-  z.predicted.resize(kept);
-  z.nu.resize(kept);
-  z.products.resize(kept);
-  z.P_Ht.keep_columns(z.rows());
-  if (P_rho.cols() > 0) z.P_rho.keep_columns(static_cast<Index>(kept));
+  innovation.matches.resize(kept);
+  innovation.predicted.resize(kept);
+  innovation.nu.resize(kept);
+  innovation.products.resize(kept);
+  innovation.P_Ht.keep_columns(innovation.rows());
+  if (P_rho.cols() > 0) innovation.P_rho.keep_columns(static_cast<Index>(kept));
 }
 
 void update(JointState& state, Devices& devices, const Camera& camera, double pixel_sigma,
@@ -248,14 +250,14 @@ void update(JointState& state, Devices& devices, const Camera& camera, double pi
   devices.correct(state, (*innovation.dx).col(0));
 }
 
-void nis_given_others(Innovation& z, std::vector<double>& nis) {
+void nis_given_others(Innovation& innovation, std::vector<double>& nis) {
   nis.clear();
-  if (z.rows() == 0) return;
-  const int size = static_cast<int>(z.rows());
-  z.S_inverse.resize(size, size);
-  auto B = *z.S_inverse;
-  B = *z.S;
-  auto a = z.stacked_nu();  // L^-1 nu
+  if (innovation.rows() == 0) return;
+  const int size = static_cast<int>(innovation.rows());
+  innovation.S_inverse.resize(size, size);
+  auto B = *innovation.S_inverse;
+  B = *innovation.S;
+  auto a = innovation.stacked_nu();  // L^-1 nu
   B.triangularView<Eigen::Lower>().transpose().solveInPlace(a);
   int info = 0;
   dpotri_("L", &size, B.data(), &size, &info);

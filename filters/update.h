@@ -57,15 +57,15 @@ void fill_HPHt(const JointState& state, Innovation& innovation, GrowingMatrix& r
 // Only these of the matches, in their order, are left.
 void keep(std::span<const Observation> accepted, Innovation& innovation);
 
-// x and P after the measurements. `iterations` Gauss-Newton steps on the same prior (1: EKF); of
-// the innovation only the memory is left. Throws Diverged when S is not positive definite or the
-// correction not finite.
+// x and P after the measurements. `iterations` Gauss-Newton steps on the same prior (1: EKF).
+// Afterwards S holds its factor L, nu L^-1 nu and P_Ht W = P H' L^-T. Throws Diverged when S is not
+// positive definite or the correction not finite.
 void update(JointState& state, Devices& devices, const Camera& camera, double pixel_sigma,
             int iterations, Innovation& innovation);
 
-// After update(): the NIS of each of its measurements given all the others of them, its
-// leave-one-out innovation. With a = S^-1 nu and B = S^-1, a_i' B_ii^-1 a_i (mathematics.md): what
-// all of them share, above all the camera's motion, is not in it.
+// After update(), and once: the NIS of each of its measurements given all the others of them, its
+// leave-one-out innovation. With a = S^-1 nu and B = S^-1, a_i' B_ii^-1 a_i (docs/filter.md#gate):
+// what all of them share, above all the camera's motion, is not in it.
 void nis_given_others(Innovation& innovation, std::vector<double>& nis);
 
 // update_considered.cpp. Measurements that correct only their own landmarks, free ones, one after

@@ -55,7 +55,7 @@ class FrameLoop final : public Estimator {
   FrameReport process_again(const TrackRecords& before, StageListener& stages);
   double time_since_last(const Frame& frame);
   void gate(const Frame& frame, double dt, FrameReport& report);
-  void sort_by_gate(double dt, FrameReport& report);
+  void split_by_gate(double dt, FrameReport& report);
   void follow_jolt(bool may_widen);
   void scale_step(double factor);
   Agreement agreement();

@@ -39,7 +39,7 @@ void LandmarkManager::add_known(const Frame& frame, Belief& belief, FrameReport&
   if (!first_frame_) first_frame_ = frame.index;
   for (const Observation& z : frame.observations) {
     const auto known = known_.find(z.track);
-    if (known == known_.end() || knows(z.track)) continue;
+    if (known == known_.end() || holds(z.track)) continue;
     belief.add_known(known->second);
     TrackRecord& record = records_[z.track] =
         initialised(z.track, frame.index, Label::kStatic, setup_.prior);
@@ -218,7 +218,7 @@ TrackRecord LandmarkManager::record_at_birth(int track, int frame, const Landmar
 void LandmarkManager::initialise_new(const Frame& frame, Belief& belief, FrameReport& report) {
   unmatched_.clear();
   for (const Observation& z : frame.observations) {
-    if (!knows(z.track)) unmatched_.push_back(z);
+    if (!holds(z.track)) unmatched_.push_back(z);
   }
   const std::size_t wanted = births_wanted(report.accepted, models_.policy);
   if (unmatched_.size() > wanted) unmatched_.resize(wanted);

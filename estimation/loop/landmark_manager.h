@@ -19,7 +19,7 @@ class LandmarkManager {
                   std::shared_ptr<const Truth> truth_for_view);
 
   const TrackRecords& records() const { return records_; }
-  bool knows(int track) const { return records_.contains(track); }
+  bool holds(int track) const { return records_.contains(track); }
 
   // In the order of the frame (frame_loop.cpp). `report` counts what happened.
   void forget_motions(Belief& belief);

@@ -24,7 +24,7 @@ void JointState::constrain_motion(int track, const Eigen::MatrixXd& sensitivity,
   FilterLandmark& landmark = landmarks.at(track);
   const StateBlock w = landmark.w_block;
   covariance.assign(w, sensitivity, -information);
-  landmark.information = vector;
+  landmark.information_vector = vector;
   landmark.constrained_block = w;
   landmark.w.resize(0);
   landmark.w_block = {};
@@ -35,7 +35,7 @@ std::optional<JointState::Motion> JointState::constrained_motion(int track) cons
   const MotionMatrix J = -covariance.block(landmark.constrained_block, landmark.constrained_block);
   const Eigen::LLT<MotionMatrix> llt(J);
   if (llt.info() != Eigen::Success) return std::nullopt;
-  return Motion{llt.solve(landmark.information),
+  return Motion{llt.solve(landmark.information_vector),
                 llt.solve(MotionMatrix::Identity(J.rows(), J.cols()))};
 }
 
@@ -52,7 +52,7 @@ Eigen::VectorXd JointState::release_motion(int track, const Motion& motion,
   covariance.assign(w, P_xw, motion.covariance);
   landmark.w.setZero(w.dim);
   landmark.w_block = w;
-  landmark.information.resize(0);
+  landmark.information_vector.resize(0);
   landmark.constrained_block = {};
   Eigen::VectorXd dx = sensitivity * motion.mean;
   dx.segment(w.offset, w.dim) = motion.mean;
@@ -61,7 +61,7 @@ Eigen::VectorXd JointState::release_motion(int track, const Motion& motion,
 
 void JointState::forget_motion(int track) {
   FilterLandmark& landmark = landmarks.at(track);
-  remove_motion(landmark.information, landmark.constrained_block);
+  remove_motion(landmark.information_vector, landmark.constrained_block);
 }
 
 }  // namespace slammot

@@ -21,7 +21,7 @@ void JointState::move(Eigen::Ref<const Eigen::VectorXd> dx) {
     if (landmark.is_free()) landmark.w += dx.segment(landmark.w_block.offset, landmark.w_block.dim);
     if (landmark.is_constrained()) {
       const StateBlock block = landmark.constrained_block;
-      landmark.information += dx.segment(block.offset, block.dim);
+      landmark.information_vector += dx.segment(block.offset, block.dim);
     }
   }
 }

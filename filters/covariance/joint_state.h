@@ -31,10 +31,10 @@ struct FilterLandmark {
   StateBlock w_block;  // empty when static
 
   // Static, but what its motion would be is remembered (constrained_motion.cpp): the rows of the
-  // block are minus the information of w, and the state's sensitivity to w; `information` is the
+  // block are minus the information of w, and the state's sensitivity to w; beside them the
   // information vector. y is then that of the time at which it came to rest.
   StateBlock constrained_block;
-  MotionVector information;
+  MotionVector information_vector;
   double rest_time = 0.0;  // [s], counted by the filter
 
   bool is_constrained() const { return constrained_block.dim > 0; }
@@ -74,7 +74,7 @@ struct JointState {
   // the error of the rotation is multiplied by the right Jacobian of its correction.
   void correct(Eigen::Ref<const Eigen::VectorXd> dx);
 
-  // The same without touching P: for an iterate.
+  // The same without touching P: for an iterate, or where P stays at fixed points.
   void move(Eigen::Ref<const Eigen::VectorXd> dx);
 
   int size() const { return covariance.size(); }  // rows of the error state

@@ -34,20 +34,20 @@ class Builder {
       } else {
         problem_->AddParameterBlock(v.value.data(), size);
       }
-      if (v.is_constrained || v.is_own) problem_->SetParameterBlockConstant(v.value.data());
+      if (v.is_constrained || v.is_considered) problem_->SetParameterBlockConstant(v.value.data());
     });
   }
 
   CeresProblem build() {
     add_cameras();
     for (GraphLandmark& l : graph_.landmarks) {
-      if (graph_.is_in_core(l)) add_landmark(l);
+      if (graph_.is_solved_jointly(l)) add_landmark(l);
     }
     const MarginalPrior& prior = graph_.prior().active;
     if (prior.cols() > 0) {
       std::vector<double*> blocks;
       for (const MarginalPrior::Block& b : prior.blocks()) {
-        if (b.variable->is_own) continue;
+        if (b.variable->is_considered) continue;
         blocks.push_back(value(b.variable->id));
       }
       problem_->AddResidualBlock(marginal_prior_cost(prior).release(), nullptr, blocks);

@@ -247,8 +247,8 @@ class MarginalPriorCost final : public ceres::CostFunction {
       : R_(prior.R()), r_(prior.r()), blocks_(prior.blocks()), chart_(prior.chart()) {
     set_num_residuals(static_cast<int>(R_.rows()));
     for (const MarginalPrior::Block& b : prior.blocks()) {
-      if (b.variable->is_own) {
-        const MarginalPrior::OwnRows rows = prior.own_rows(b.variable->id, -1);
+      if (b.variable->is_considered) {
+        const MarginalPrior::ConsideredRows rows = prior.own_rows(b.variable->id, -1);
         R_.middleRows(rows.first, rows.count).setZero();
         r_.segment(rows.first, rows.count).setZero();
         continue;
@@ -260,7 +260,7 @@ class MarginalPriorCost final : public ceres::CostFunction {
     std::vector<SmallVector> b;
     for (std::size_t i = 0, k = 0; i < blocks_.size(); ++i) {
       const Variable& v = *blocks_[i].variable;
-      b.push_back(v.is_own
+      b.push_back(v.is_considered
                       ? v.value
                       : SmallVector(Eigen::Map<const Eigen::VectorXd>(x[k++], v.value.size())));
     }
@@ -272,7 +272,7 @@ class MarginalPriorCost final : public ceres::CostFunction {
     chart.apply(J);
     int k = 0;
     for (const PriorBlock& block : blocks_) {
-      if (block.variable->is_own) continue;
+      if (block.variable->is_considered) continue;
       const auto columns = J.middleCols(block.offset, block.dim());
       if (block.variable->is_orientation) {
         write_orientation(jacobians, k, x[k], columns.eval());

@@ -158,8 +158,8 @@ void Graph::consider(LandmarkId id, bool is_considered) {
   GraphLandmark& l = (*this)[id];
   if (l.is_considered == is_considered) return;
   l.is_considered = is_considered;
-  variables[l.y].is_own = is_considered;
-  if (l.is_free()) variables[l.w].is_own = is_considered;
+  variables[l.y].is_considered = is_considered;
+  if (l.is_free()) variables[l.w].is_considered = is_considered;
   prior_.active.own_variables_changed();
 }
 

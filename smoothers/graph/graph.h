@@ -101,7 +101,7 @@ class Graph {
   void add_pixel(LandmarkId id, const GraphCamera& camera, const Observation& z, int depth);
 
   // Whether it is solved for with the cameras: neither inactive nor considered.
-  bool is_in_core(const GraphLandmark& landmark) const {
+  bool is_solved_jointly(const GraphLandmark& landmark) const {
     return landmark.is_alive && !landmark.is_considered && variables[landmark.y].is_active;
   }
 
@@ -125,6 +125,7 @@ class Graph {
   // of squares there, prior included. A pixel that is not valid does not count: if it cost
   // something, any step that ends this would be taken, however bad.
   double linearise();
+  // Of one landmark; returns its whole sum of squares, not half of it.
   double linearise(GraphLandmark& landmark);
 
   // A moving landmark that may pass through the camera can explain any pixel there: the solution is
@@ -143,10 +144,11 @@ class Graph {
   // Variable::candidate.
   StepOutcome try_step();
 
-  // The same of one landmark while the rest stays: all steps and candidates are cleared, its cost
-  // with what the prior says of it, its step tried, and taken.
+  // One landmark moves while the rest stays. First all steps are zero, and candidates the values.
   void clear_steps();
-  double own_cost(LandmarkId id, MarginalPrior::Field field = &Variable::value);
+  // Half the square of what the prior says of its variables, at their values or candidates.
+  double cost_of_prior(LandmarkId id, MarginalPrior::Field field = &Variable::value);
+  // What is true at its variables [+] step, as try_step() of all; and that step, taken.
   StepOutcome try_own_step(LandmarkId id);
   void take_own_step(LandmarkId id);
 

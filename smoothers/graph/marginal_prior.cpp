@@ -38,12 +38,12 @@ Eigen::Index MarginalPrior::row_of(int column) const {
 template <typename Function>
 void MarginalPrior::for_own_rows(Function&& function) const {
   for (const Block& block : blocks_) {
-    if (block.variable->is_own) function(row_of(block.offset), block.dim());
+    if (block.variable->is_considered) function(row_of(block.offset), block.dim());
   }
 }
 
-MarginalPrior::OwnRows MarginalPrior::own_rows(VariableId y, VariableId w) const {
-  OwnRows rows;
+MarginalPrior::ConsideredRows MarginalPrior::own_rows(VariableId y, VariableId w) const {
+  ConsideredRows rows;
   const Block* of_y = find(y);
   if (!of_y) return rows;
   rows.first = row_of(of_y->offset);
@@ -56,14 +56,14 @@ MarginalPrior::OwnRows MarginalPrior::own_rows(VariableId y, VariableId w) const
   return rows;
 }
 
-double MarginalPrior::own_square(const OwnRows& rows, Field b) const {
+double MarginalPrior::own_square(const ConsideredRows& rows, Field b) const {
   if (rows.count == 0) return 0.0;
   SmallVector own = r_.segment(rows.first, rows.count);
   own.noalias() += (*R_).middleRows(rows.first, rows.count) * difference(b);
   return own.squaredNorm();
 }
 
-void MarginalPrior::fill_own(const OwnRows& rows, Eigen::Ref<Eigen::VectorXd> residual,
+void MarginalPrior::fill_own(const ConsideredRows& rows, Eigen::Ref<Eigen::VectorXd> residual,
                              Eigen::MatrixXd& jacobian) const {
   jacobian = (*R_).middleRows(rows.first, rows.count);
   residual = r_.segment(rows.first, rows.count);
@@ -94,7 +94,7 @@ Eigen::Vector2d MarginalPrior::along_scale() const {
   along_.setZero(cols_);
   for (const Block& b : blocks_) {
     const Variable& v = *b.variable;
-    if (!v.is_own && !v.is_orientation) {
+    if (!v.is_considered && !v.is_orientation) {
       along_.segment(b.offset, b.dim()) = v.orbit.direction(chart_.keeps_scale() ? b.x0 : v.value);
     }
   }
@@ -127,7 +127,7 @@ void MarginalPrior::find_runs() const {
   runs_.clear();
   for (const Block& block : blocks_) {
     const int core = block.variable->core, dim = block.dim();
-    if (block.variable->is_constrained || block.variable->is_own) continue;
+    if (block.variable->is_constrained || block.variable->is_considered) continue;
     if (!runs_.empty() && runs_.back().core + runs_.back().dim == core &&
         runs_.back().offset + runs_.back().dim == block.offset) {
       runs_.back().dim += dim;

@@ -61,16 +61,16 @@ class MarginalPrior {
   // Considered landmarks (Graph::consider). The prior holds what it knows of one given the core, in
   // rows of their own: U (y, w) + K core + r, where no other considered landmark has columns. No
   // other row has theirs, so that the rest of R is the prior of the core.
-  struct OwnRows {
+  struct ConsideredRows {
     Eigen::Index first = 0, count = 0;  // rows
     int y = 0, w = -1;                  // columns; -1: not in the prior
   };
-  OwnRows own_rows(VariableId y, VariableId w) const;
-  double own_square(const OwnRows& rows, Field b) const;
+  ConsideredRows own_rows(VariableId y, VariableId w) const;
+  double own_square(const ConsideredRows& rows, Field b) const;
   // Their residual and Jacobian at the current estimate, with the columns of R.
-  void fill_own(const OwnRows& rows, Eigen::Ref<Eigen::VectorXd> residual,
+  void fill_own(const ConsideredRows& rows, Eigen::Ref<Eigen::VectorXd> residual,
                 Eigen::MatrixXd& jacobian) const;
-  // Variable::is_own has changed.
+  // Variable::is_considered has changed.
   void own_variables_changed() { has_gram_ = false; }
 
   // Columns that stand side by side in R and in the core. Of the last add_to().

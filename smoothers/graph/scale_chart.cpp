@@ -31,7 +31,7 @@ void turn(Columns A, const Eigen::Matrix3d& M) {
 
 bool ScaleChart::tells(const PriorBlock& block) {
   const Variable& v = *block.variable;
-  if (v.is_constrained || v.is_own) return false;
+  if (v.is_constrained || v.is_considered) return false;
   if (v.orbit.kind == ScaleOrbit::Kind::kRates) return block.x0.head<3>().squaredNorm() > 0.0;
   return v.orbit.kind == ScaleOrbit::Kind::kPoint && v.tells_scale && inverse_depth(block) > 0.0;
 }

@@ -102,7 +102,7 @@ StepOutcome Graph::try_step() {
     outcome.square += r * r;
   }
   for (const GraphLandmark& l : landmarks) {
-    if (is_in_core(l)) try_step(l, outcome);
+    if (is_solved_jointly(l)) try_step(l, outcome);
   }
   return outcome;
 }
@@ -117,7 +117,7 @@ void Graph::clear_steps() {
   }
 }
 
-double Graph::own_cost(LandmarkId id, MarginalPrior::Field field) {
+double Graph::cost_of_prior(LandmarkId id, MarginalPrior::Field field) {
   const GraphLandmark& l = (*this)[id];
   return 0.5 * prior_.active.own_square(prior_.active.own_rows(l.y, l.w), field);
 }
@@ -128,7 +128,7 @@ StepOutcome Graph::try_own_step(LandmarkId id) {
     variables[own].candidate = variables[own].value + variables[own].step;
   }
   StepOutcome outcome;
-  outcome.square = 2.0 * own_cost(id, &Variable::candidate);
+  outcome.square = 2.0 * cost_of_prior(id, &Variable::candidate);
   try_step(l, outcome);
   return outcome;
 }

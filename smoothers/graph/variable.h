@@ -16,10 +16,10 @@ struct Variable {
   VariableId id = 0;
   SmallVector value;            // of an orientation x, y, z, w
   bool is_orientation = false;  // else Euclidean
-  bool is_private = false;      // a landmark's own, eliminated with it; not once the prior holds it
+  bool is_private = false;      // of one landmark, eliminated with it; not once the prior holds it
   bool is_active = true;        // false: in the conditional map
   bool is_constrained = false;  // to its value: it has columns in the prior, but no step is taken
-  bool is_own = false;          // a considered landmark's: not in the core, though in the prior
+  bool is_considered = false;   // a considered landmark's: not in the core, though in the prior
   bool is_alive = true;         // false: the slot is vacant
   ScaleOrbit orbit;             // what a change of the world's scale does to it
   bool tells_scale = false;     // y of a static landmark

@@ -15,7 +15,8 @@
 // camera.
 //
 // A considered landmark leaves nothing there: its rows serve to find it once the core is known.
-// What the prior says of it (MarginalPrior::OwnRows) are rows of its own too, after all others.
+// What the prior says of it (MarginalPrior::ConsideredRows) are rows of its own too, after all
+// others.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -43,8 +44,8 @@ class LandmarkBlock {
   // The newest state of the landmark (y alone when static) is E' core + e, e ~ N(0, covariance):
   // adds E, core x dim(). In the tangent spaces of the linearisation.
   int dim() const { return states_; }
-  bool is_in_core() const { return independent_; }  // nothing of it is eliminated
-  int steps() const { return steps_; }              // of the chain
+  bool has_no_private_state() const { return independent_; }  // nothing is eliminated
+  int steps() const { return steps_; }                        // of the chain
   void newest(Eigen::Ref<Eigen::MatrixXd> E, LandmarkMatrix& covariance) const;
 
   // Of all pixels, two rows of A each: C := (P J)' A, core x columns, and own := A' P A.
@@ -74,24 +75,25 @@ class LandmarkBlock {
   bool independent_ = true;  // nothing private: P = I
   std::vector<Shared> shared_;
   int shared_cols_ = 0, scene_column_ = 0;
-  MarginalPrior::OwnRows own_;  // of a considered landmark: what the prior says of it is its own
-  int own_column_ = 0;          // of the shared ones: the first of the prior's
-  std::vector<int> poses_;      // of each pixel: the core row of its camera
+  MarginalPrior::ConsideredRows
+      own_;                 // of a considered landmark: what the prior says of it is its own
+  int own_column_ = 0;      // of the shared ones: the first of the prior's
+  std::vector<int> poses_;  // of each pixel: the core row of its camera
 
   GrowingMatrix A_;  // rows x 6, of the pixel's camera
   GrowingMatrix X_;  // rows x states
   GrowingMatrix S_;  // rows x shared columns
   Eigen::VectorXd q_;
-  GrowingMatrix P_;  // rows x rows
+  GrowingMatrix P_;  // rows x rows: M, then its inverse, then P
   GrowingMatrix T_;  // states x rows: covariance of the newest state with each row, by noise alone
   LandmarkMatrix Phi_, C_;         // of the newest state: d/d(base), covariance by noise alone
   LandmarkVector drift_;           // of the newest state, by the noises' present values
   std::vector<LandmarkVector> D_;  // of each step, when damped
 
   GrowingMatrix Z_, ZV_;  // rows x private states
-  LandmarkMatrix V_;
-  LandmarkVector u_;
-  Eigen::VectorXd e_;
+  LandmarkMatrix V_;      // then its inverse
+  LandmarkVector u_;      // of the private states: their step where the core stays
+  Eigen::VectorXd e_;     // of the rows: P times the residual
   mutable GrowingMatrix PS_;
   mutable GrowingMatrix gain_;  // states x rows
   mutable Eigen::VectorXd change_, weighted_;

@@ -5,7 +5,8 @@ namespace slammot {
 
 void LandmarkBlock::lay_out(const Graph& graph, const GraphLandmark& l) {
   pixels_ = static_cast<int>(l.pixels.size());
-  own_ = l.is_considered ? graph.prior().active.own_rows(l.y, l.w) : MarginalPrior::OwnRows{};
+  own_ =
+      l.is_considered ? graph.prior().active.own_rows(l.y, l.w) : MarginalPrior::ConsideredRows{};
   rows_ = 2 * pixels_ + l.birth.rows() + static_cast<int>(own_.count);
   steps_ = l.steps();
   states_ = l.is_free() ? graph.models().landmark->dim() : 3;

@@ -15,7 +15,7 @@ void Leaving::clear() {
 }
 
 void Marginaliser::take(Variable& v) {
-  if (v.column >= 0 || v.is_own) return;
+  if (v.column >= 0 || v.is_considered) return;
   v.column = total_;
   total_ += v.dim();
   order_.push_back(&v);
@@ -41,7 +41,7 @@ void Marginaliser::order_columns(Graph& graph, const Leaving& leaving) {
   order_.clear();
   total_ = 0;
   for (std::size_t i = 0; i < local_count_; ++i) {
-    if (is_own(graph, i)) continue;
+    if (is_considered(graph, i)) continue;
     locals_[i].noise_column = total_;
     total_ += locals_[i].noise_dim();
   }
@@ -166,14 +166,14 @@ void Marginaliser::compute_own(const Graph& graph, const Leaving& leaving,
     });
     if (local != last && local->departure().leaves) continue;
     if (local == last && graph.prior().active.find(l.y) == nullptr) continue;
-    OwnMarginal& own = next_own();
+    ConsideredMarginal& own = next_own();
     own.compute(graph, id, local == last ? nullptr : &*local, gone_, total_);
     own.eliminate(gone_rows);
   }
   if (leaving.apart >= 0) next_own().take(graph, leaving.apart, gone_rows);
 }
 
-OwnMarginal& Marginaliser::next_own() {
+ConsideredMarginal& Marginaliser::next_own() {
   if (owns_.size() == own_count_) owns_.emplace_back();
   return owns_[own_count_++];
 }

@@ -4,10 +4,10 @@
 // The prior and all rows that leave are stacked as A dx + b at the current estimate, with the
 // leaving columns first. (A b) is brought to triangular form, and the rows below the leaving ones
 // are the new prior. The Hessian is never formed. What only a landmark's own rows touch has been
-// eliminated before (local_elimination.h). Considered landmarks come after (own_marginal.h).
+// eliminated before (local_elimination.h). Considered landmarks come after (considered_marginal.h).
 #pragma once
 
-#include "smoothers/solver/own_marginal.h"
+#include "smoothers/solver/considered_marginal.h"
 
 namespace slammot {
 
@@ -44,16 +44,16 @@ class Marginaliser {
   void find_going(const Graph& graph, const Leaving& leaving);
   void compute_own(const Graph& graph, const Leaving& leaving,
                    const Triangularise::Staircase& rows);
-  OwnMarginal& next_own();
+  ConsideredMarginal& next_own();
   void set_prior(Graph& graph, const Triangularise::Staircase& rows);
-  bool is_own(const Graph& graph, std::size_t local) const {
+  bool is_considered(const Graph& graph, std::size_t local) const {
     return graph[locals_[local].departure().landmark].is_considered;
   }
   void add_rows(int start, Eigen::Index count);
 
   std::vector<LocalElimination> locals_;  // those in use come first
   std::size_t local_count_ = 0;
-  std::vector<OwnMarginal> owns_;
+  std::vector<ConsideredMarginal> owns_;
   std::size_t own_count_ = 0;
   std::vector<Variable*> order_;  // by column; noises are not among them
   std::vector<Variable*> own_order_;

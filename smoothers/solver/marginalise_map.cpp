@@ -18,7 +18,8 @@ void Marginaliser::update_map(Graph& graph, const Leaving& leaving,
   Eigen::MatrixXd T = Eigen::MatrixXd::Zero(std::ssize(changed), total_);
   for (std::size_t i = 0; i < changed.size(); ++i) T(static_cast<int>(i), changed[i]) = 1.0;
   for (std::size_t k = 0; k < local_count_; ++k) {
-    if (locals_[k].substitutes() && !is_own(graph, k)) move_on(graph, locals_[k], changed, T);
+    if (locals_[k].substitutes() && !is_considered(graph, k))
+      move_on(graph, locals_[k], changed, T);
   }
   map.eliminate(changed, T, (*A_).topLeftCorner(gone_, total_), (*A_).col(total_).head(gone_));
 }
@@ -31,13 +32,13 @@ std::vector<int> Marginaliser::changed_columns(const Graph& graph, const Leaving
     for (int k = 0; k < v.dim(); ++k) changed.push_back(v.column + k);
   };
   for (const MarginalPrior::Block& b : prior.blocks()) {
-    if (b.variable->column < gone_ && !b.variable->is_own) change(*b.variable);
+    if (b.variable->column < gone_ && !b.variable->is_considered) change(*b.variable);
   }
   for (const VariableId id : leaving.deactivated) {
     if (prior.find(id) == nullptr) change(graph.variables[id]);
   }
   for (std::size_t k = 0; k < local_count_; ++k) {
-    if (!locals_[k].substitutes() || is_own(graph, k)) continue;
+    if (!locals_[k].substitutes() || is_considered(graph, k)) continue;
     const GraphLandmark& l = graph[locals_[k].departure().landmark];
     for (const VariableId id : {l.y, l.w}) {
       const bool is_in_prior = prior.find(id) != nullptr;

@@ -15,7 +15,7 @@ void Marginaliser::add_rows(int start, Eigen::Index count) {
 void Marginaliser::count_rows(const Graph& graph, const Leaving& leaving) {
   starts_.clear();
   for (std::size_t i = 0; i < local_count_; ++i) {
-    if (is_own(graph, i)) continue;
+    if (is_considered(graph, i)) continue;
     int start = total_;
     for (const auto& s : locals_[i].segments()) {
       start = std::min(
@@ -65,9 +65,9 @@ void Marginaliser::count_prior_rows(const Graph& graph) {
   for (std::size_t k = prior.blocks().size(); k-- > 0;) {
     const MarginalPrior::Block& b = prior.blocks()[k];
     const int after = from(b.offset + b.dim());
-    int start = b.variable->is_own ? after : std::min(b.variable->column, after);
+    int start = b.variable->is_considered ? after : std::min(b.variable->column, after);
     for (std::size_t i = 0; i < local_count_; ++i) {
-      if (!locals_[i].substitutes() || is_own(graph, i)) continue;
+      if (!locals_[i].substitutes() || is_considered(graph, i)) continue;
       const GraphLandmark& l = graph[locals_[i].departure().landmark];
       if (l.y == b.variable->id || l.w == b.variable->id) {
         start = std::min(start, locals_[i].noise_column);
@@ -93,7 +93,7 @@ void Marginaliser::fill(const Graph& graph, const Leaving& leaving) {
     }
   };
   for (std::size_t k = 0; k < local_count_; ++k) {
-    if (is_own(graph, k)) continue;
+    if (is_considered(graph, k)) continue;
     const auto rows = locals_[k].rows();
     for (const auto& s : locals_[k].segments()) {
       const int column =
@@ -140,7 +140,7 @@ void Marginaliser::fill_prior(const Graph& graph, Eigen::Index first) {
     }
   };
   for (const MarginalPrior::Block& b : prior.blocks()) {
-    if (b.variable->is_own) continue;
+    if (b.variable->is_considered) continue;
     put(R.middleCols(b.offset, b.dim()).topRows(rows_until(b.offset + b.dim())),
         b.variable->column);
   }
@@ -148,7 +148,7 @@ void Marginaliser::fill_prior(const Graph& graph, Eigen::Index first) {
   // dx_0 = Psi dx_d + noise_gain dn in the columns of what moves on.
   for (std::size_t k = 0; k < local_count_; ++k) {
     const LocalElimination& local = locals_[k];
-    if (!local.substitutes() || is_own(graph, k)) continue;
+    if (!local.substitutes() || is_considered(graph, k)) continue;
     const GraphLandmark& l = graph[local.departure().landmark];
     const int y = graph.variables[l.y].column, w = graph.variables[l.w].column;
     const MarginalPrior::Block* y_0 = prior.find(l.y);
@@ -170,8 +170,8 @@ void Marginaliser::fill_prior(const Graph& graph, Eigen::Index first) {
     put(of_noise, local.noise_column);
   }
   for (const MarginalPrior::Block& b : prior.blocks()) {
-    if (!b.variable->is_own) continue;
-    const MarginalPrior::OwnRows own = prior.own_rows(b.variable->id, -1);
+    if (!b.variable->is_considered) continue;
+    const MarginalPrior::ConsideredRows own = prior.own_rows(b.variable->id, -1);
     for (Eigen::Index i = 0; i < own.count; ++i) {
       (*A_).row(row_[static_cast<std::size_t>(first + own.first + i)]).setZero();
     }

@@ -106,7 +106,7 @@ void NormalEquations::ask(const Graph& graph, LandmarkId id) {
   int first = first_row(l.y);
   if (graph.variables[l.y].is_active) {
     const LandmarkBlock& block = blocks_[static_cast<std::size_t>(id)];
-    if (!block.is_in_core()) {
+    if (!block.has_no_private_state()) {
       first = rates_dim_;
     } else if (block.dim() > 3) {  // one that has become free since has no w in the core
       first = std::min(first, first_row(l.w));

@@ -40,13 +40,13 @@ void NormalEquations::place(Graph& graph) {
   constexpr int kOfPrior = -2;
   core_dim_ = 0;
   const auto to_core = [&](Variable& v) {
-    if (v.core >= 0 || v.is_constrained || v.is_own) return;
+    if (v.core >= 0 || v.is_constrained || v.is_considered) return;
     v.core = core_dim_;
     core_dim_ += v.dim();
   };
   graph.variables.for_each([](Variable& v) { v.core = -1; });
   for (const MarginalPrior::Block& block : graph.prior().active.blocks()) {
-    const bool has_place = !block.variable->is_constrained && !block.variable->is_own;
+    const bool has_place = !block.variable->is_constrained && !block.variable->is_considered;
     if (has_place) graph.variables[block.variable->id].core = kOfPrior;
   }
   const auto& motions = graph.motions;
@@ -168,7 +168,7 @@ void NormalEquations::add_blocks(const Graph& graph, double damping) {
   joints_.resize(blocks_.size());
   for (std::size_t id = 0; id < graph.landmarks.size(); ++id) {
     const GraphLandmark& landmark = graph.landmarks[id];
-    if (!graph.is_in_core(landmark)) continue;
+    if (!graph.is_solved_jointly(landmark)) continue;
     blocks_[id].eliminate(graph, landmark, damping);
     blocks_[id].add_to(*S_, g_);
     if (damping > 0.0) blocks_[id].add_squares(squares_);
@@ -192,17 +192,17 @@ void NormalEquations::solve(Graph& graph) const {
   if (!core_.allFinite()) throw Diverged("the step of the window is not finite");
   graph.variables.for_each([&](Variable& v) {
     if (v.core >= 0) v.step = core_.segment(v.core, v.dim());
-    if (v.is_own) v.step.setZero(v.dim());
+    if (v.is_considered) v.step.setZero(v.dim());
   });
   for (std::size_t id = 0; id < graph.landmarks.size(); ++id) {
     GraphLandmark& landmark = graph.landmarks[id];
-    if (graph.is_in_core(landmark)) blocks_[id].step(core_, graph, landmark);
+    if (graph.is_solved_jointly(landmark)) blocks_[id].step(core_, graph, landmark);
     if (!landmark.is_considered) continue;
     for (ChainStep& step : landmark.chain) step.step.setZero(step.noise.size());
   }
 }
 
-void NormalEquations::solve_alone(Graph& graph, LandmarkId id, double damping) {
+void NormalEquations::solve_considered(Graph& graph, LandmarkId id, double damping) {
   LandmarkBlock& block = blocks_[static_cast<std::size_t>(id)];
   block.eliminate(graph, graph[id], damping);
   core_.setZero(core_dim_);

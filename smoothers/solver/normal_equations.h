@@ -32,9 +32,10 @@ class NormalEquations {
   void follow_step(const Graph& graph);
 
   // The step of a considered landmark given the core, which stays where it is.
-  void solve_alone(Graph& graph, LandmarkId id, double damping);
+  void solve_considered(Graph& graph, LandmarkId id, double damping);
 
-  // A landmark that has been added since says nothing about the core yet; a considered one never.
+  // Eliminates one landmark while the core stays as it is: one that has been added since, which
+  // says nothing about the core yet, or a considered one, which never does.
   void add(const Graph& graph, LandmarkId id);
 
   // Covariance of the camera; and of any other of the graph, at the linearisation.

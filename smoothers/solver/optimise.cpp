@@ -121,15 +121,15 @@ void Optimiser::solve_considered(Graph& graph, int iterations, double tolerance)
     if (!has_begun) graph.clear_steps();
     has_begun = true;
     const auto id = static_cast<LandmarkId>(i);
-    solve_alone(graph, id, iterations, tolerance);
+    solve_considered(graph, id, iterations, tolerance);
     equations_.add(graph, id);
   }
 }
 
-void Optimiser::solve_alone(Graph& graph, LandmarkId id, int iterations, double tolerance) {
+void Optimiser::solve_considered(Graph& graph, LandmarkId id, int iterations, double tolerance) {
   double damping = 0.0;
   for (int i = 0; i < iterations; ++i) {
-    const double before = 0.5 * graph.linearise(graph[id]) + graph.own_cost(id);
+    const double before = 0.5 * graph.linearise(graph[id]) + graph.cost_of_prior(id);
     const auto step = find_own_step(graph, id, before, tolerance, damping);
     if (!step) return;
     const bool is_enough = is_last(graph, *step, before, damping, tolerance);
@@ -143,7 +143,7 @@ void Optimiser::solve_alone(Graph& graph, LandmarkId id, int iterations, double 
 std::optional<Optimiser::Step> Optimiser::find_own_step(Graph& graph, LandmarkId id, double before,
                                                         double tolerance, double& damping) {
   for (int i = 0; i <= kTries; ++i) {
-    equations_.solve_alone(graph, id, damping);
+    equations_.solve_considered(graph, id, damping);
     const bool is_limited = graph.limit_step();
     Step step{graph.try_own_step(id), is_limited || damping > 0.0};
     const double rise = graph.fixed_points() ? step.outcome.cost_of(tolerance) : kRounding;

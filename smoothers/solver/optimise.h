@@ -48,7 +48,7 @@ class Optimiser {
   std::optional<Step> find_step(Graph& graph, const GraphCamera& camera, double before,
                                 double tolerance, bool may_not_retry, double& damping);
   void solve_considered(Graph& graph, int iterations, double tolerance);
-  void solve_alone(Graph& graph, LandmarkId id, int iterations, double tolerance);
+  void solve_considered(Graph& graph, LandmarkId id, int iterations, double tolerance);
   std::optional<Step> find_own_step(Graph& graph, LandmarkId id, double before, double tolerance,
                                     double& damping);
   static bool is_last(const Graph& graph, const Step& step, double before, double damping,

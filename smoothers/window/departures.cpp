@@ -25,7 +25,7 @@ void Departures::marginalise(int frames, TrackHistories* histories) {
 void Departures::marginalise_motions() {
   linearise();
   leaving_.clear();
-  for (const auto& [track, landmark] : landmarks_.known) {
+  for (const auto& [track, landmark] : landmarks_.current) {
     if (landmark.drops) add(landmark, nullptr, false);
   }
   for (const WindowLandmark& landmark : landmarks_.pruned) {
@@ -66,7 +66,7 @@ void Departures::set_apart(const WindowLandmark& landmark) {
 
 void Departures::find(const WindowFrame* oldest, TrackHistories* histories) {
   if (oldest) leaving_.oldest = oldest->camera;
-  for (const auto& [track, landmark] : landmarks_.known) {
+  for (const auto& [track, landmark] : landmarks_.current) {
     add(landmark, oldest, false);
     const bool shifts = oldest && landmark.is_free && landmark.base == oldest->camera.position;
     if (!histories || !shifts) continue;
@@ -75,9 +75,7 @@ void Departures::find(const WindowFrame* oldest, TrackHistories* histories) {
   for (const WindowLandmark& landmark : landmarks_.pruned) add(landmark, oldest, true);
 }
 
-// A camera's position stays on as long as landmarks are anchored there; the base of a free landmark
-// that stands in the oldest frame moves on to the next; a landmark that was pruned leaves with the
-// last frame that measured it.
+// A landmark has a departure if the frame that leaves measured it or saw its birth, or its w drops.
 void Departures::add(const WindowLandmark& landmark, const WindowFrame* oldest, bool is_pruned) {
   const GraphLandmark& l = graph_[landmark.id];
   if (is_inactive(l.y)) return;
@@ -89,6 +87,8 @@ void Departures::add(const WindowLandmark& landmark, const WindowFrame* oldest, 
   if (is_measured || is_born || d.absorbs_prior_of_w) leaving_.departures.push_back(d);
 }
 
+// The base of a free landmark that stands in the oldest frame moves on to the next; a landmark that
+// was pruned leaves with the last frame that measured it.
 Departure Departures::departure_of(const WindowLandmark& landmark, const WindowFrame* oldest,
                                    bool is_pruned) const {
   const int steps = graph_[landmark.id].steps();
@@ -138,7 +138,7 @@ void Departures::mark_anchors(const WindowFrame& oldest) {
   const auto later = std::ranges::lower_bound(left_anchors_, position, {}, &LeftAnchor::position);
   left_anchors_.insert(later, {position, Use::kUnused});
   for (LeftAnchor& anchor : left_anchors_) anchor.use = Use::kUnused;
-  for (const auto& [track, landmark] : landmarks_.known) {
+  for (const auto& [track, landmark] : landmarks_.current) {
     const GraphLandmark& l = graph_[landmark.id];
     const bool is_active =
         landmark.is_free || landmark.drops || l.constrained || landmark.last_used > oldest.index;

@@ -4,8 +4,8 @@
 #include <span>
 
 #include "smoothers/solver/marginalise.h"
-#include "smoothers/window/moving_landmark.h"
 #include "smoothers/window/track_history.h"
+#include "smoothers/window/window_landmark.h"
 
 namespace slammot {
 

@@ -9,7 +9,7 @@
 
 #include "estimation/belief.h"
 #include "smoothers/solver/normal_equations.h"
-#include "smoothers/window/moving_landmark.h"
+#include "smoothers/window/window_landmark.h"
 
 namespace slammot {
 
@@ -19,11 +19,9 @@ class Marginals {
             NormalEquations& equations)
       : graph_(graph), cameras_(cameras), landmarks_(landmarks), equations_(equations) {}
 
-  // The equations know the newest camera | it has been predicted since, by the graph's newest
-  // motion | whose noise is now so many times what it was.
-  void start();
-  void predict();
-  void widen(double factor) { Q_ *= factor; }
+  void start();                                // after a solve: F = I, Q = 0
+  void predict();                              // F and Q are those of the newest motion
+  void widen(double factor) { Q_ *= factor; }  // whose noise has become so much larger
 
   // As Belief has them.
   void innovations(std::span<const Observation> measured, FrameInnovation& result);

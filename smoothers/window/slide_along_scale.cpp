@@ -69,7 +69,7 @@ Eigen::Vector2d information_of_scale(const Graph& graph) {
     sum += Eigen::Vector2d(m * m, -m * (m - graph.scene->inverse_depth)) / (sigma * sigma);
   }
   for (const GraphLandmark& l : graph.landmarks) {
-    if (!graph.is_in_core(l)) continue;
+    if (!graph.is_solved_jointly(l)) continue;
     add_birth(graph, l, sum);
     if (!l.is_free() || l.w_sigmas.size() == 0) continue;
     const SmallVector w = graph.variables[l.w].value.cwiseQuotient(l.w_sigmas);

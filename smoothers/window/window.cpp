@@ -19,7 +19,7 @@ constexpr int kCeresIterations = 1000;
 constexpr double kCeresTolerance = 1e-18;  // below rounding: until steps change nothing
 
 // Why the scale is not kept though it is asked for; "": it is. Where every step is taken the window
-// is to be the EKF without (docs/frame.md).
+// is to be the EKF without its gauge (docs/frame.md).
 std::string without_scale(const Setup& setup, const WindowOptions& options) {
   if (!setup.known.empty()) return "landmarks known beforehand";
   if (options.linearisation == WindowLinearisation::kFej) return "window.linearisation=fej";
@@ -72,7 +72,7 @@ void Window::predict(const Frame& frame, double dt, const MotionNoise& noise,
   cameras_.advance(frame, dt, noise);
   if (histories_) noises_.push_back(noise);
   marginals_.predict();
-  for (const auto& [track, landmark] : landmarks_.known) {
+  for (const auto& [track, landmark] : landmarks_.current) {
     if (landmark.is_free) extend_chain(graph_, landmark.id, records.at(track).label, dt);
   }
 }
@@ -102,7 +102,7 @@ void Window::widen(double factor) {
   if (histories_) noises_.back() = scaled(noises_.back(), factor);
 }
 
-// What leaves the window waited for this: the frame's measurements must not be used before.
+// Marginalisation waits until here: the gate reads the last factorisation.
 void Window::update(std::span<const Observation> accepted, std::span<const int> considered,
                     StageListener& stages) {
   stages.begin("marginalise");
@@ -116,7 +116,7 @@ void Window::update(std::span<const Observation> accepted, std::span<const int> 
   relinearised_ += steps > 1 ? 1 : 0;
   ++updated_;
   held_points_ += graph_.fixed_points() && graph_.prior().active.cols() > 0 ? 1 : 0;
-  for (auto& [track, landmark] : landmarks_.known) landmark.is_entering = false;
+  for (auto& [track, landmark] : landmarks_.current) landmark.is_entering = false;
   camera_ = marginals_.camera();
 }
 
@@ -176,7 +176,7 @@ bool Window::leave_out_poles() {
       return true;
     });
   };
-  for (const auto& [track, landmark] : landmarks_.known) leave_out(landmark, false);
+  for (const auto& [track, landmark] : landmarks_.current) leave_out(landmark, false);
   for (const WindowLandmark& landmark : landmarks_.pruned) leave_out(landmark, true);
   return any;
 }
@@ -283,7 +283,7 @@ void Window::remove(std::span<const int> tracks, const TrackRecords& records) {
       }
       landmarks_.pruned.push_back(landmark);
     }
-    landmarks_.known.erase(track);
+    landmarks_.current.erase(track);
   }
 }
 
@@ -314,7 +314,7 @@ bool Window::add(const Observation& z, const LandmarkPrior& prior, bool is_free)
 }
 
 WindowLandmark& Window::insert(int track, VariableId anchor, const Eigen::Vector3d& y) {
-  WindowLandmark& landmark = landmarks_.known[track];
+  WindowLandmark& landmark = landmarks_.current[track];
   landmark = {};
   landmark.track = track;
   landmark.id = graph_.add_landmark(anchor, y);
@@ -367,7 +367,7 @@ void Window::points(std::vector<LandmarkPoint>& result) {
     if (!v.is_active) return inactive_values_[id];
     return v.value;
   };
-  for (const auto& [track, landmark] : landmarks_.known) {
+  for (const auto& [track, landmark] : landmarks_.current) {
     const GraphLandmark& l = graph_[landmark.id];
     result.push_back(
         {track, value(l.anchor), l.is_free() ? graph_.newest_state(l).head<3>() : value(l.y)});
@@ -393,7 +393,7 @@ std::vector<CameraEstimate> Window::smoothed() {
 }
 
 void Window::end_histories(const TrackRecords& records) const {
-  for (const auto& [track, landmark] : landmarks_.known) end_history(landmark, records.at(track));
+  for (const auto& [track, landmark] : landmarks_.current) end_history(landmark, records.at(track));
 }
 
 void Window::end_history(const WindowLandmark& landmark, const TrackRecord& record) const {

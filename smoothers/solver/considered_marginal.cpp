@@ -1,17 +1,17 @@
-#include "smoothers/solver/own_marginal.h"
+#include "smoothers/solver/considered_marginal.h"
 
 #include <algorithm>
 
 namespace slammot {
 
-void OwnMarginal::compute(const Graph& graph, LandmarkId id, const LocalElimination* local,
-                          int gone, int total) {
+void ConsideredMarginal::compute(const Graph& graph, LandmarkId id, const LocalElimination* local,
+                                 int gone, int total) {
   id_ = id;
   gone_ = gone;
   core_ = total;
   find_own(graph, local);
   const GraphLandmark& l = graph[id];
-  const MarginalPrior::OwnRows in_prior = graph.prior().active.own_rows(l.y, l.w);
+  const MarginalPrior::ConsideredRows in_prior = graph.prior().active.own_rows(l.y, l.w);
   const Eigen::Index of_local = local ? local->rows().rows() : 0;
   A_.resize(of_local + in_prior.count, before_ + dim_ + core_ + 1);
   (*A_).setZero();
@@ -20,8 +20,8 @@ void OwnMarginal::compute(const Graph& graph, LandmarkId id, const LocalEliminat
   reduce(A_, before_, before_ + dim_);
 }
 
-void OwnMarginal::take(const Graph& graph, LandmarkId id,
-                       const Eigen::Ref<const Eigen::MatrixXd>& rows) {
+void ConsideredMarginal::take(const Graph& graph, LandmarkId id,
+                              const Eigen::Ref<const Eigen::MatrixXd>& rows) {
   id_ = id;
   core_ = static_cast<int>(rows.cols()) - 1;
   gone_ = 0;
@@ -32,7 +32,7 @@ void OwnMarginal::take(const Graph& graph, LandmarkId id,
   (*result_).topRows(rows.rows()) = rows;
 }
 
-void OwnMarginal::find_own(const Graph& graph, const LocalElimination* local) {
+void ConsideredMarginal::find_own(const Graph& graph, const LocalElimination* local) {
   own_.clear();
   const GraphLandmark& l = graph[id_];
   dim_ = 0;
@@ -47,12 +47,12 @@ void OwnMarginal::find_own(const Graph& graph, const LocalElimination* local) {
   }
 }
 
-int OwnMarginal::own_column(VariableId id) const {
+int ConsideredMarginal::own_column(VariableId id) const {
   if (!own_.empty() && own_.front() == id) return before_;
   return own_.size() > 1 && own_.back() == id ? before_ + 3 : -1;
 }
 
-void OwnMarginal::fill_local(const Graph& graph, const LocalElimination& local) {
+void ConsideredMarginal::fill_local(const Graph& graph, const LocalElimination& local) {
   const auto rows = local.rows();
   auto A = (*A_).topRows(rows.rows());
   for (const LocalElimination::Segment& s : local.segments()) {
@@ -67,11 +67,11 @@ void OwnMarginal::fill_local(const Graph& graph, const LocalElimination& local) 
 }
 
 // With dx_0 = Psi dx_d + noise_gain dn where its base moves on.
-void OwnMarginal::fill_prior(const Graph& graph, const LocalElimination* local,
-                             Eigen::Index first) {
+void ConsideredMarginal::fill_prior(const Graph& graph, const LocalElimination* local,
+                                    Eigen::Index first) {
   const MarginalPrior& prior = graph.prior().active;
   const GraphLandmark& l = graph[id_];
-  const MarginalPrior::OwnRows at = prior.own_rows(l.y, l.w);
+  const MarginalPrior::ConsideredRows at = prior.own_rows(l.y, l.w);
   const auto R = prior.R().middleRows(at.first, at.count);
   auto A = (*A_).middleRows(first, at.count);
   for (const MarginalPrior::Block& b : prior.blocks()) {
@@ -93,7 +93,7 @@ void OwnMarginal::fill_prior(const Graph& graph, const LocalElimination* local,
 }
 
 // The rows of o, in `result_`: those in which a column of [first, last) stands first.
-void OwnMarginal::reduce(GrowingMatrix& A, int first, int last) {
+void ConsideredMarginal::reduce(GrowingMatrix& A, int first, int last) {
   starts_.resize(static_cast<std::size_t>((*A).rows()), 0);
   const Triangularise::Staircase at = triangularise_(*A, starts_, first, last);
   const Eigen::Index kept = std::min<Eigen::Index>(at.rows - at.rows_of_first, dim_);
@@ -102,7 +102,7 @@ void OwnMarginal::reduce(GrowingMatrix& A, int first, int last) {
   (*result_).topRows(kept) = (*A).block(at.rows_of_first, first, kept, (*A).cols() - first);
 }
 
-void OwnMarginal::eliminate(const Eigen::Ref<const Eigen::MatrixXd>& gone_rows) {
+void ConsideredMarginal::eliminate(const Eigen::Ref<const Eigen::MatrixXd>& gone_rows) {
   if (gone_ == 0) return;
   const auto own = *result_;
   const Eigen::Index after = core_ - gone_ + 1;

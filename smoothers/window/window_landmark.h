@@ -15,23 +15,25 @@ namespace slammot {
 struct WindowLandmark {
   int track = 0;
   LandmarkId id = 0;
-  int last_used = 0;         // Frame::index of its newest accepted measurement
-  VariableId base = 0;       // camera position of the frame where its chain begins
-  bool is_free = false;      // it has not become static
+  int last_used = 0;  // Frame::index of its newest accepted measurement
+  // Camera position of a frame. Free: where its chain begins; static: of its label; static and
+  // pruned: the last that can hold one of its pixels.
+  VariableId base = 0;
+  bool is_free = false;      // it has not become static (its chain stays until the next update)
   bool is_entering = false;  // known beforehand, and not in the equations yet
   bool drops = false;        // it has become static: w is marginalised before the next update
 };
 
 struct WindowLandmarks {
-  std::map<int, WindowLandmark> known;  // by track
-  std::vector<WindowLandmark> pruned;   // with measurements in the window
+  std::map<int, WindowLandmark> current;  // by track
+  std::vector<WindowLandmark> pruned;     // with measurements in the window
 
-  WindowLandmark& at(int track) { return known.at(track); }
-  const WindowLandmark& at(int track) const { return known.at(track); }
+  WindowLandmark& at(int track) { return current.at(track); }
+  const WindowLandmark& at(int track) const { return current.at(track); }
 
   template <typename Function>
   void for_each(Function&& function) {
-    for (auto& [track, landmark] : known) function(landmark);
+    for (auto& [track, landmark] : current) function(landmark);
     for (WindowLandmark& landmark : pruned) function(landmark);
   }
 };

@@ -1,4 +1,4 @@
-#include "smoothers/window/moving_landmark.h"
+#include "smoothers/window/window_landmark.h"
 
 #include <algorithm>
 

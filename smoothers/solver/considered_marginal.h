@@ -15,7 +15,7 @@
 
 namespace slammot {
 
-class OwnMarginal {
+class ConsideredMarginal {
  public:
   // `local`: what leaves of it, or null.
   void compute(const Graph& graph, LandmarkId id, const LocalElimination* local, int gone,

@@ -10,16 +10,16 @@ namespace slammot {
 void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
   measured_.clear();
   for (const Observation& z : frame.observations) {
-    if (manager_->knows(z.track)) measured_.push_back(z);
+    if (manager_->holds(z.track)) measured_.push_back(z);
   }
   belief_->innovations(measured_, innovation_);
-  gate_.sort(innovation_);
+  gate_.judge(innovation_);
   // What has entered at this frame's camera would not move with it.
   if (noise_.adapts() && dt > 0.0) follow_jolt(report.admitted == 0);
-  sort_by_gate(dt, report);
+  split_by_gate(dt, report);
 }
 
-void FrameLoop::sort_by_gate(double dt, FrameReport& report) {
+void FrameLoop::split_by_gate(double dt, FrameReport& report) {
   in_view_.clear();
   accepted_.clear();
   explained_by_motion_.clear();
@@ -67,7 +67,7 @@ void FrameLoop::follow_jolt(bool may_widen) {
 void FrameLoop::scale_step(double factor) {
   belief_->widen(factor);
   belief_->innovations(measured_, innovation_);
-  gate_.sort(innovation_);
+  gate_.judge(innovation_);
 }
 
 FrameLoop::Agreement FrameLoop::agreement() {
