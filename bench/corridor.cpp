@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "datasets/simulation/scene/random_stream.h"
+#include "datasets/simulation/random/random_stream.h"
 #include "models/points/observation.h"
 
 namespace slammot::bench {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "datasets/simulation/scene/random_stream.h"
+#include "datasets/simulation/random/random_stream.h"
 
 namespace slammot {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "datasets/simulation/scene/random_stream.h"
+#include "datasets/simulation/random/random_stream.h"
 #include "models/camera_motion.h"
 
 namespace slammot {

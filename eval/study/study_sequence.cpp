@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "datasets/readers/reader.h"
-#include "datasets/simulation/scene/random_stream.h"
+#include "datasets/simulation/random/random_stream.h"
 #include "datasets/text/number.h"
 
 namespace slammot {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <slammot/datasets/simulation/scenario.h>
-#include <slammot/datasets/simulation/scene/random_stream.h>
+#include <slammot/datasets/simulation/random/random_stream.h>
 #include <slammot/datasets/simulation/scene/recording.h>
 #include <slammot/datasets/simulation/scene/statements.h>
 

@@ -4,7 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "datasets/simulation/scene/random_stream.h"
+#include "datasets/simulation/random/random_stream.h"
 
 namespace slammot {
 namespace {

@@ -15,8 +15,8 @@
 #include <string_view>
 #include <vector>
 
+#include "datasets/simulation/random/random_stream.h"
 #include "datasets/simulation/scene/parameters.h"
-#include "datasets/simulation/scene/random_stream.h"
 #include "models/camera.h"
 #include "models/camera_state.h"
 

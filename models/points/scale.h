@@ -1,6 +1,6 @@
 // What a change of the world's scale does to a landmark's y, seen from its anchor: a world e^t as
 // large has rho e^-t in the same direction. Filter (filters/gauge.h) and smoother
-// (smoothers/graph/scale_orbit.h) both keep what they know of the scale along it.
+// (smoothers/variables/scale_orbit.h) both keep what they know of the scale along it.
 #pragma once
 
 #include "models/points/point_functions.h"

@@ -12,7 +12,7 @@
 
 #include "models/landmarks/landmark_models.h"
 #include "smoothers/graph/residuals.h"
-#include "smoothers/graph/variable.h"
+#include "smoothers/variables/variable.h"
 
 namespace slammot {
 

@@ -23,7 +23,7 @@
 
 #include <vector>
 
-#include "smoothers/graph/variable.h"
+#include "smoothers/variables/variable.h"
 
 namespace slammot {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "datasets/simulation/scene/random_stream.h"
+#include "datasets/simulation/random/random_stream.h"
 
 namespace slammot {
 

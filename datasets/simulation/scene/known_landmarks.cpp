@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "datasets/simulation/scene/random_stream.h"
+#include "datasets/simulation/random/random_stream.h"
 
 namespace slammot {
 

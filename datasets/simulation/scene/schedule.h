@@ -5,8 +5,8 @@
 
 #include <optional>
 
+#include "datasets/simulation/random/random_stream.h"
 #include "datasets/simulation/scene/parameters.h"
-#include "datasets/simulation/scene/random_stream.h"
 
 namespace slammot {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "datasets/simulation/random/random_stream.h"
 #include "datasets/simulation/scene/mover_sigmas.h"
-#include "datasets/simulation/scene/random_stream.h"
 
 namespace slammot {
 

@@ -3,6 +3,9 @@ from ..judge.intervals import FEW
 from ..judge.paired import LEVEL, better
 from .verdict import WHY_ALIGNED, alignment_of, apart, error_name, failure_bound, warnings_of
 
+# Of an ANEES whose interval holds what is expected: neither consistent nor not.
+NOT_DECIDED = "neither shown consistent nor inconsistent"
+
 
 def anees_class(part):
     """How an ANEES stands to its expected value, where it has an interval over runs. A covariance that is not positive definite
@@ -105,7 +108,7 @@ def consistency_of(e):
     text = f"ANEES of the {part} {between({'value': a['mean'], **{k: a[k] for k in ('lower', 'upper')}}, '')} ({a['dof']} expected)"
     if a["lower"] is None:
         return f"{e.name}: {text}; {FEW} decide nothing."
-    word = {"over": "overconfident", "under": "conservative", "": "consistent within its interval"}[anees_class(a)]
+    word = {"over": "overconfident", "under": "conservative", "": NOT_DECIDED}[anees_class(a)]
     return f"{e.name} is {word}: {text}, {100 * a['inside']:.0f}% of the frames inside."
 
 

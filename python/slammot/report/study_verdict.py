@@ -1,7 +1,7 @@
 """A study in words, computed from its summary. Each finding is (heading, sentences)."""
 from . import ranking
 from ..judge.intervals import FEW
-from .pooled_verdict import anees_class, between, decided_sentence, is_tested, more_accurate
+from .pooled_verdict import NOT_DECIDED, anees_class, between, decided_sentence, is_tested, more_accurate
 from .study_tables import error_name, error_of, estimators_of
 from .verdict import failure_bound
 
@@ -90,7 +90,8 @@ def consistency_of(summary, label):
         return None
     if len(means) < len(parts):
         return f"{label} has no ANEES: some of its covariances are not positive definite."
-    text = f"ANEES of the pose {range_of(means)} ({POSE} expected), {range_of([100 * p['inside'] for p in parts])}% of the frames inside"
+    interval = between({"value": means[0], "lower": parts[0].get("lower"), "upper": parts[0].get("upper")}, "") if len(parts) == 1 else range_of(means)
+    text = f"ANEES of the pose {interval} ({POSE} expected), {range_of([100 * p['inside'] for p in parts])}% of the frames inside"
     judged = [p for p in parts if p.get("lower") is not None]
     if not judged:
         return f"{label}: {text}; {FEW} decide nothing."
@@ -98,7 +99,7 @@ def consistency_of(summary, label):
     words = [(word, classes.count(name)) for word, name in (("overconfident", "over"), ("conservative", "under")) if name in classes]
     where = "" if len(parts) == 1 else "in {} of " + f"{len(judged)} scenarios"
     few = f"; {len(parts) - len(judged)} with {FEW} decide nothing" if len(judged) < len(parts) else ""
-    word = " and ".join(f"{word} {where.format(n)}".strip() for word, n in words) or "not shown to be inconsistent"
+    word = " and ".join(f"{word} {where.format(n)}".strip() for word, n in words) or NOT_DECIDED
     return f"{label} is {word}: {text}{few}."
 
 

@@ -156,7 +156,7 @@ def accuracy(comparison, runs):
 def judged(ratio):
     if ratio > OVERCONFIDENT:
         return "overconfident"
-    return "conservative" if ratio < CONSERVATIVE else "consistent on average"
+    return "conservative" if ratio < CONSERVATIVE else "near what is expected"
 
 
 def consistency_of(run):

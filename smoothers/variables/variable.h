@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "smoothers/graph/scale_orbit.h"
+#include "smoothers/variables/scale_orbit.h"
 
 namespace slammot {
 

@@ -1,4 +1,4 @@
-#include "datasets/simulation/scene/random_stream.h"
+#include "datasets/simulation/random/random_stream.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "smoothers/graph/variable.h"
+#include "smoothers/variables/variable.h"
 
 #include "models/so3.h"
 

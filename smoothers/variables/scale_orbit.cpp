@@ -1,4 +1,4 @@
-#include "smoothers/graph/scale_orbit.h"
+#include "smoothers/variables/scale_orbit.h"
 
 #include <cmath>
 
