@@ -121,38 +121,23 @@ void expect_no_allocation(Estimator& estimator, const Setup& setup) {
   EXPECT_EQ(warm, 0);
 }
 
-struct Case {
-  const char* name;
-  void (*set)(ModelOptions&);
-};
-
-void given_labels(ModelOptions& models) {
-  models.labels.first_frame = FirstFrameLabels::kStatic;
-  models.classifier.name = "truth";
-}
-
-class Allocations : public testing::TestWithParam<Case> {
+// With labels that are given and stay, and with those that are found and may be taken back.
+class Allocations : public testing::TestWithParam<bool> {
  protected:
   Allocations() {
     prepare_process();  // more BLAS threads would have buffers of their own
-    GetParam().set(models);
+    if (!GetParam()) return;
+    models.labels.first_frame = FirstFrameLabels::kStatic;
+    models.labels.rule = LabelRule::kOneWay;
+    models.classifier.name = "truth";
   }
 
   slammot::Setup setup = wall_setup();
   ModelOptions models;
 };
-
-void PrintTo(const Case& labels, std::ostream* out) { *out << labels.name; }
-
-INSTANTIATE_TEST_SUITE_P(Labels, Allocations,
-                         testing::Values(Case{"one_way",
-                                              [](ModelOptions& models) {
-                                                given_labels(models);
-                                                models.labels.rule = LabelRule::kOneWay;
-                                              }},
-                                         Case{"reversible", given_labels},
-                                         Case{"estimated", [](ModelOptions&) {}}),
-                         [](const auto& labels) { return labels.param.name; });
+INSTANTIATE_TEST_SUITE_P(Labels, Allocations, testing::Bool(), [](const auto& tested) {
+  return std::string(tested.param ? "given" : "estimated");
+});
 
 TEST_P(Allocations, NoneByAWarmFilter) {
   expect_no_allocation(*make_ekf(setup, models, {}), setup);

@@ -7,21 +7,12 @@ import os
 import pathlib
 import re
 import shutil
-import subprocess
 import sys
-import tempfile
 import unittest
 import zlib
 
-SLAMMOT = sys.argv.pop(1)
-
-
-def slammot(*arguments, code=0, **environment):
-    done = subprocess.run([SLAMMOT, *arguments], capture_output=True, text=True, check=False, timeout=300,
-                          env=os.environ | environment)
-    if done.returncode != code:
-        raise AssertionError(f"{arguments}: exit {done.returncode}: {done.stderr}")
-    return done
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "eval"))
+from fixture import WithFolder, program  # noqa: E402
 
 
 def streams(pdf):
@@ -33,33 +24,19 @@ def streams(pdf):
             yield raw
 
 
-class Draw(unittest.TestCase):
+class Draw(WithFolder):
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = pathlib.Path(cls.temporary.name)
-        slammot("simulate", "--render", "--seed", "3", "--set", "frames=14", "--output", cls.folder / "room")
+        super().setUpClass()
+        program("simulate", "--render", "--seed", "3", "--set", "frames=14", "--output", cls.folder / "room")
         # One thread: ThreadSanitizer does not see that OpenCV's threads wait for each other (tsan.supp).
-        slammot("track", cls.folder / "room", "--threads", "1", "--output", cls.folder / "tracked")
+        program("track", cls.folder / "room", "--threads", "1", "--output", cls.folder / "tracked")
         cls.run_folder = cls.folder / "run"
-        cls.run_estimator(cls.run_folder)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
-    @classmethod
-    def run_estimator(cls, output, *more):
-        slammot("run", cls.folder / "tracked", "--estimator", "ekf", "--landmarks", "every-frame", "--output", output, *more)
-
-    def copy(self):
-        copy = self.folder / self.id().rsplit(".", 1)[1]
-        shutil.copytree(self.run_folder, copy)
-        return copy
+        program("run", cls.folder / "tracked", "--estimator", "ekf", "--landmarks", "every-frame", "--output", cls.run_folder)
+        cls.drawn = program("draw", cls.run_folder, "--pdf", "6,9", "--output", cls.folder / "figures").stdout.split()
 
     def test_a_figure_is_vectors_with_its_fonts(self):
-        done = slammot("draw", self.run_folder, "--pdf", "6,9", "--output", self.folder / "figures")
-        files = [pathlib.Path(line) for line in done.stdout.split()]
+        files = [pathlib.Path(line) for line in self.drawn]
         self.assertEqual([file.name for file in files], ["frame_000006.pdf", "frame_000009.pdf"])
         pdf = files[1].read_bytes()
         self.assertTrue(pdf.startswith(b"%PDF"))
@@ -74,8 +51,7 @@ class Draw(unittest.TestCase):
         self.assertFalse((self.folder / "figures" / "film.mp4").exists())
 
     def test_the_data_of_a_figure_are_those_of_the_run(self):
-        slammot("draw", self.run_folder, "--pdf", "9", "--output", self.folder / "data")
-        frame = json.loads((self.folder / "data" / "frame_000009.json").read_text())
+        frame = json.loads((self.folder / "figures" / "frame_000009.json").read_text())
         rows = [line.split(",") for line in (self.run_folder / "predictions.csv").read_text().splitlines() if line[0] == "9"]
         self.assertEqual([p["track"] for p in frame["predictions"]], [int(row[1]) for row in rows])
         for p, row in zip(frame["predictions"], rows):
@@ -102,48 +78,32 @@ class Draw(unittest.TestCase):
         self.assertAlmostEqual(sum(nis) / len(nis), stated["nis"]["mean"], places=9)
 
     def test_the_same_bytes_again(self):
-        pdfs = []
-        for name in ("one", "two"):
-            slammot("draw", self.run_folder, "--pdf", "9", "--output", self.folder / name)
-            pdfs.append((self.folder / name / "frame_000009.pdf").read_bytes())
-        self.assertEqual(*pdfs)
+        program("draw", self.run_folder, "--pdf", "9", "--output", self.folder / "again")
+        again, before = ((self.folder / name / "frame_000009.pdf").read_bytes() for name in ("again", "figures"))
+        self.assertEqual(again, before)
 
-    def test_what_is_not_there_is_refused(self):
-        done = slammot("draw", self.run_folder, "--pdf", "99", code=2)
-        self.assertIn("the run has no frame 99", done.stderr)
-        self.assertEqual(done.stderr.count("\n"), 1)
+    def test_what_is_not_there_is_told(self):
+        """A frame, an image, a Python with packages."""
+        self.assertIn("the run has no frame 99", program("draw", self.run_folder, "--pdf", "99", code=2).stderr)
         self.assertFalse((self.run_folder / "pictures").exists())
-        run = self.copy()
-        text = (run / "predictions.csv").read_text().splitlines(keepends=True)
-        (run / "predictions.csv").write_text("".join(text[:7]) + "1,2,3\n")
-        self.assertIn("predictions.csv:8: expected 8 fields, found 3", slammot("draw", run, code=2).stderr)
-
-    def test_an_image_that_is_gone_and_a_python_without_packages_are_told(self):
-        tracked = self.folder / "gone"
-        shutil.copytree(self.folder / "tracked", tracked)
+        tracked, output = shutil.copytree(self.folder / "tracked", self.folder / "gone"), self.folder / "untold"
         frames = tracked / "frames.csv"
         frames.write_text(frames.read_text().replace("000009.png", "nowhere.png"))
-        output = self.folder / "untold"
-        done = slammot("draw", self.run_folder, "--sequence", tracked, "--pdf", "9", "--output", output, code=2)
+        done = program("draw", self.run_folder, "--sequence", tracked, "--pdf", "9", "--output", output, code=2)
         self.assertIn("nowhere.png: no such file", done.stderr)
         self.assertFalse(output.exists())
-        slammot("draw", self.run_folder, "--pdf", "9", "--output", output, code=1, SLAMMOT_PYTHON="/bin/false")
+        program("draw", self.run_folder, "--pdf", "9", "--output", output, code=1, env=os.environ | {"SLAMMOT_PYTHON": "/bin/false"})
         self.assertFalse((output / "frame_000009.pdf").exists())
 
     def test_a_run_of_an_earlier_build_has_no_ellipses(self):
-        run = self.copy()
+        run = shutil.copytree(self.run_folder, self.folder / "earlier")
         (run / "predictions.csv").unlink()
-        done = slammot("draw", run, "--pdf", "9")
+        done = program("draw", run, "--pdf", "9")
         self.assertIn("no ellipses", done.stderr)
         self.assertEqual(done.stderr.count("\n"), 1)
         self.assertEqual(json.loads((run / "pictures" / "frame_000009.json").read_text())["predictions"], [])
-        self.assertIn("14 pictures", slammot("draw", run).stdout)
+        self.assertIn("14 pictures", program("draw", run).stdout)
         self.assertTrue((run / "pictures" / "frame_000009.pdf").exists())
-
-    def test_predictions_are_replaced_with_the_run(self):
-        run = self.copy()
-        slammot("run", self.folder / "tracked", "--estimator", "ekf", "--output", run, "--force")
-        self.assertFalse((run / "predictions.csv").exists())
 
 
 if __name__ == "__main__":

@@ -39,16 +39,5 @@ TEST(Extras, ANameThatIsTakenIsRefused) {
   EXPECT_THROW(add_metrics({metric_table().front()}), std::invalid_argument);
 }
 
-TEST(Extras, NumbersAreConfigurationKeysWithTheirDefaults) {
-  own_numbers()["mine.number"] = 0.25;  // before the keys are first asked for
-  Configuration configuration;
-  EXPECT_EQ(configuration.model.classifier.own.at("mine.number"), 0.25);
-  assign(configuration, parse_assignment("mine.number=0.5"));
-  EXPECT_EQ(configuration.model.classifier.own.at("mine.number"), 0.5);
-  EXPECT_EQ(key_values(configuration).back(),
-            (std::pair<std::string, std::string>("mine.number", "0.5")));
-  EXPECT_THROW(assign(configuration, parse_assignment("mine.number=much")), std::invalid_argument);
-}
-
 }  // namespace
 }  // namespace slammot

@@ -1,12 +1,15 @@
-// What the tests of datasets/ share: a small sequence in the native format, the pixel at which a
-// landmark truly is, and how movers go from frame to frame.
+// What the tests of datasets/ share: a small sequence in the native format, why something is
+// refused, all numbers of a sequence, the pixel at which a landmark truly is, and how movers go
+// from frame to frame.
 #pragma once
 
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "datasets/sequence/sequence.h"
 #include "tests/temporary_folder.h"
@@ -39,6 +42,39 @@ inline const std::map<std::string, std::string> kGood = {
 
 inline void write_good(const std::filesystem::path& folder) {
   for (const auto& [name, text] : kGood) write_text(folder / name, text);
+}
+
+template <typename Action>
+std::string refusal_of(const Action& action) {
+  try {
+    action();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+inline std::vector<double> numbers_of(const Sequence& s) {
+  std::vector<double> numbers{s.prior->acceleration, s.prior->inverse_depth_sigma,
+                              s.initial->state.velocity.x()};
+  const auto add = [&](const Eigen::Vector3d& v) {
+    numbers.insert(numbers.end(), {v.x(), v.y(), v.z()});
+  };
+  for (std::size_t i = 0; i < s.frames.size(); ++i) {
+    for (const Observation& z : s.frames[i].observations) {
+      add(Eigen::Vector3d(z.pixel.x(), z.pixel.y(), z.track));
+    }
+    add(s.truth[i]->position);
+    add(s.truth[i]->velocity);
+  }
+  for (const auto& [track, landmark] : s.landmarks) {
+    for (const auto& [frame, p] : landmark.by_frame) {
+      add(p.position);
+      add(p.velocity);
+    }
+  }
+  for (const KnownLandmark& known : s.known) add(known.position);
+  return numbers;
 }
 
 inline std::optional<Eigen::Vector2d> true_pixel(const Sequence& s, std::size_t frame, int track) {

@@ -1,14 +1,13 @@
 // The thesis author's format: a small file, its refusals, and synth19 against synth19_1px.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
-#include "datasets/native/native_writer.h"
 #include "datasets/readers/reader.h"
+#include "eval/statistics/statistics.h"
+#include "tests/datasets/fixture.h"
 #include "tests/paths.h"
-#include "tests/temporary_folder.h"
 
 namespace slammot {
 namespace {
@@ -37,13 +36,8 @@ class Author : public testing::Test {
   std::string refusal(const std::string& from, const std::string& to) {
     std::string text = kGood;
     text.replace(text.find(from), from.size(), to);
-    try {
-      read(text);
-    } catch (const InputError& error) {
-      const std::string reason = error.what();
-      return reason.substr(reason.find("groundTruth.txt"));
-    }
-    return "accepted";
+    const std::string reason = test::refusal_of([&] { read(text); });
+    return reason.substr(reason.find("groundTruth.txt"));
   }
 
   test::TemporaryFolder folder_;
@@ -81,39 +75,30 @@ TEST_F(Author, Refuses) {
             "groundTruth.txt:4: the quaternion has length zero");
 }
 
-class Synth19 : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!fs::exists(shared_data() / "synth19") || !fs::exists(shared_data() / "synth19_1px")) {
-      GTEST_SKIP() << "no " << shared_data();
-    }
-    author_ = select_frames(read_sequence(shared_data() / "synth19"), 0, -1, 2);
-    exact_ = read_sequence(shared_data() / "synth19_1px");
+// One test, since it reads two large sequences.
+TEST(Synth19, AgreesWithTheExactOne) {
+  if (!fs::exists(shared_data() / "synth19") || !fs::exists(shared_data() / "synth19_1px")) {
+    GTEST_SKIP() << "no " << shared_data();
   }
-
-  Sequence author_, exact_;
-};
-
-TEST_F(Synth19, CamerasAgreeWithTheExactOnes) {
-  ASSERT_EQ(author_.frames.size(), exact_.frames.size());
-  for (size_t i = 0; i < exact_.frames.size(); ++i) {
-    EXPECT_NEAR(author_.frames[i].timestamp, exact_.frames[i].timestamp, 1e-6);
-    const auto error = boxminus(*author_.truth[i], *exact_.truth[i]);
+  const Sequence author = select_frames(read_sequence(shared_data() / "synth19"), 0, -1, 2);
+  const Sequence exact = read_sequence(shared_data() / "synth19_1px");
+  ASSERT_EQ(author.frames.size(), exact.frames.size());
+  for (size_t i = 0; i < exact.frames.size(); ++i) {
+    EXPECT_NEAR(author.frames[i].timestamp, exact.frames[i].timestamp, 1e-6);
+    const auto error = boxminus(*author.truth[i], *exact.truth[i]);
     EXPECT_LT(error.head<6>().norm(), 1e-5) << i;
   }
-  EXPECT_LT(boxminus(author_.initial->state, exact_.initial->state).norm(), 1e-12);
-  EXPECT_TRUE(exact_.exact_truth);
-  EXPECT_FALSE(author_.exact_truth);
-}
+  EXPECT_LT(boxminus(author.initial->state, exact.initial->state).norm(), 1e-12);
+  EXPECT_TRUE(exact.exact_truth);
+  EXPECT_FALSE(author.exact_truth);
 
-TEST_F(Synth19, LandmarksAgreeWithTheExactOnes) {
-  EXPECT_EQ(author_.landmarks.size(), 214u);
-  EXPECT_EQ(author_.landmarks.at(9).at(0)->position, Eigen::Vector3d(-0.6, 0, 5.4));
-  ASSERT_EQ(author_.known.size(), 4u);
-  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(author_.known[i].position, exact_.known[i].position);
+  EXPECT_EQ(author.landmarks.size(), 214u);
+  EXPECT_EQ(author.landmarks.at(9).at(0)->position, Eigen::Vector3d(-0.6, 0, 5.4));
+  ASSERT_EQ(author.known.size(), 4u);
+  for (size_t i = 0; i < 4; ++i) EXPECT_EQ(author.known[i].position, exact.known[i].position);
   int compared = 0;
-  for (const auto& [track, landmark] : exact_.landmarks) {
-    const TrueLandmark& ours = author_.landmarks.at(track);
+  for (const auto& [track, landmark] : exact.landmarks) {
+    const TrueLandmark& ours = author.landmarks.at(track);
     EXPECT_EQ(ours.label, landmark.label);
     for (const auto& [frame, point] : landmark.by_frame) {
       const TruePoint* other = ours.at(2 * frame);  // the exact one is numbered anew
@@ -128,24 +113,17 @@ TEST_F(Synth19, LandmarksAgreeWithTheExactOnes) {
     }
   }
   EXPECT_GT(compared, 1000);
-}
 
-TEST_F(Synth19, StaticPointsReprojectAsPublished) {
-  std::vector<double> errors;
-  for (size_t i = 0; i < author_.frames.size(); ++i) {
-    for (const Observation& z : author_.frames[i].observations) {
-      const TrueLandmark& landmark = author_.landmarks.at(z.track);
-      if (landmark.label != Label::kStatic) continue;
-      const CameraState& camera = *author_.truth[i];
-      const auto projection = author_.camera.project(camera.orientation.conjugate() *
-                                                     (landmark.at(0)->position - camera.position));
-      ASSERT_TRUE(projection);
-      errors.push_back((projection->pixel - z.pixel).norm());
+  std::vector<double> errors;  // of static points, as published
+  for (size_t i = 0; i < author.frames.size(); ++i) {
+    for (const Observation& z : author.frames[i].observations) {
+      if (author.landmarks.at(z.track).label != Label::kStatic) continue;
+      const auto pixel = test::true_pixel(author, i, z.track);
+      ASSERT_TRUE(pixel);
+      errors.push_back((*pixel - z.pixel).norm());
     }
   }
-  std::nth_element(errors.begin(), errors.begin() + static_cast<long>(errors.size() / 2),
-                   errors.end());
-  EXPECT_NEAR(errors[errors.size() / 2], 1.8, 0.1);
+  EXPECT_NEAR(median(errors), 1.8, 0.1);
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
-// What is drawn at random: the stream, and all that the scenario `matched` draws from the models.
+// What is drawn at random: all that the scenario `matched` draws from the models.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
 #include "datasets/simulation/scenario.h"
-#include "datasets/simulation/scene/random_stream.h"
+#include "eval/statistics/statistics.h"
 #include "models/camera_motion.h"
 
 namespace slammot {
@@ -46,12 +46,6 @@ void add_draws(const Sequence& s, Draws& draws) {
   draws.initial.push_back(e.tail<6>().squaredNorm() / 6e-2);
 }
 
-double mean(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double v : values) sum += v;
-  return sum / static_cast<double>(values.size());
-}
-
 // Mean and standard deviation within 4 standard errors.
 void expect_normal(const std::vector<double>& values, double mu, double sigma) {
   const double n = static_cast<double>(values.size());
@@ -76,17 +70,6 @@ TEST(Matched, DrawsFromTheModels) {
   const double n = static_cast<double>(draws.camera.size());
   EXPECT_NEAR(mean(draws.camera), 1.0, 4.0 * std::sqrt(2.0 / 12.0 / n));
   EXPECT_NEAR(mean(draws.initial), 1.0, 4.0 * std::sqrt(2.0 / 6.0 / 40.0));
-}
-
-TEST(RandomStream, IsFixedAndNormal) {
-  RandomStream a(1, "x"), b(1, "x"), c(1, "y"), d(2, "x");
-  const double first = a.uniform(0, 1);
-  EXPECT_EQ(first, b.uniform(0, 1));
-  EXPECT_NE(first, c.uniform(0, 1));
-  EXPECT_NE(first, d.uniform(0, 1));
-  std::vector<double> values;
-  for (int i = 0; i < 100000; ++i) values.push_back(a.normal());
-  expect_normal(values, 0.0, 1.0);
 }
 
 // Montiel's noise: (v, omega) gains an impulse, and the step is taken with the gain.

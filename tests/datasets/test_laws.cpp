@@ -3,6 +3,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "datasets/native/native_reader.h"
 #include "datasets/native/native_writer.h"
@@ -48,18 +49,28 @@ Sequence any_sequence() {
               within(-400.0, 900.0),
               RadtanLens{}};
   s.pixel_sigma = within(1e-3, 10.0);
+  if (*rc::gen::arbitrary<bool>()) {
+    s.points = *rc::gen::inRange(1, 1000);
+    s.motion = StatedMotion{within(0.1, 10.0), within(0.1, 10.0)};
+    s.prior = LandmarkPrior{within(-1.0, 1.0), within(0.01, 1.0), within(0.01, 1.0)};
+  }
   const bool images = *rc::gen::arbitrary<bool>(), truth = *rc::gen::arbitrary<bool>();
+  const bool is_uneven = *rc::gen::arbitrary<bool>();
   double time = within(-1e9, 1e9);
   const int frames = *rc::gen::inRange(1, 6);
   for (int i = 0; i < frames; ++i, time += within(0.001, 1.0)) {
     Frame frame{i, time, {}};
     const int tracks = *rc::gen::inRange(0, 5);
     for (int track = 0; track < tracks; ++track) {
-      frame.observations.push_back({7 * track, {within(-640.0, 1280.0), within(-480.0, 960.0)}});
+      const double u = track == 0 ? -1e-300 : within(-640.0, 1280.0);
+      frame.observations.push_back({7 * track, {u, within(-480.0, 960.0)}});
+      if (is_uneven) frame.observations.back().relative_sigma = within(0.1, 10.0);
     }
     s.frames.push_back(frame);
     if (images) s.images.push_back(any_name(true));
-    if (truth) s.truth.emplace_back(any_camera());
+    if (!truth) continue;
+    s.truth.emplace_back(any_camera());
+    s.truth.back()->position.z() = std::numeric_limits<double>::denorm_min();
   }
   if (*rc::gen::arbitrary<bool>()) {
     s.landmarks[3] = {Label::kStatic, {{0, {vector_within(1e9), vector_within(10.0)}}}};
@@ -83,18 +94,26 @@ RC_GTEST_PROP(ReaderLaws, WhatIsWrittenIsReadBack, ()) {
     RC_ASSERT(a.frames[i].timestamp == b.frames[i].timestamp);
     RC_ASSERT(a.frames[i].observations.size() == b.frames[i].observations.size());
     for (size_t k = 0; k < a.frames[i].observations.size(); ++k) {
-      RC_ASSERT(a.frames[i].observations[k].track == b.frames[i].observations[k].track);
-      RC_ASSERT(a.frames[i].observations[k].pixel == b.frames[i].observations[k].pixel);
+      const Observation &y = a.frames[i].observations[k], &z = b.frames[i].observations[k];
+      RC_ASSERT(y.track == z.track && y.pixel == z.pixel && y.relative_sigma == z.relative_sigma);
     }
     if (a.truth.empty()) continue;
     RC_ASSERT(a.truth[i]->position == b.truth[i]->position);
     RC_ASSERT(a.truth[i]->orientation.coeffs() == b.truth[i]->orientation.coeffs());
   }
+  RC_ASSERT(a.points == b.points && a.prior.has_value() == b.prior.has_value());
+  if (a.prior) RC_ASSERT(a.prior->mean_sigma == b.prior->mean_sigma);
   RC_ASSERT(a.landmarks.size() == b.landmarks.size());
   RC_ASSERT(a.known.size() == b.known.size());
-  if (!a.known.empty()) RC_ASSERT(a.known[0].position == b.known[0].position);
+  if (!a.known.empty()) {
+    RC_ASSERT(a.known[0].position == b.known[0].position);
+    RC_ASSERT(a.landmarks.at(3).at(0)->velocity == b.landmarks.at(3).at(0)->velocity);
+  }
   RC_ASSERT(a.initial.has_value() == b.initial.has_value());
-  if (a.initial) RC_ASSERT(a.initial->state.velocity == b.initial->state.velocity);
+  if (a.initial) {
+    RC_ASSERT(a.initial->state.velocity == b.initial->state.velocity);
+    RC_ASSERT(a.initial->state.orientation.coeffs() == b.initial->state.orientation.coeffs());
+  }
   // And what is read is written the same again.
   const test::TemporaryFolder again;
   write_native(b, again.path());

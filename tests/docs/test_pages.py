@@ -35,41 +35,8 @@ def text_of(page):
     return CONSOLE.sub(commands, RESULTS.sub(r"\1\4", page.read_text(encoding="utf-8")))
 
 
-def is_indented_code(line, before):
-    return line.startswith("    ") and not re.match(r"\s*([-*]|\d+\.) ", before) and not before.startswith("  ")
-
-
-def prose_of(text):
-    """Paragraphs, items and cells of tables, without code."""
-    blocks, current, code, last = [], [], False, ""
-    for line in FENCED.sub("\n", text).splitlines() + [""]:
-        starts_code = not last.strip() and re.match(r" {4,}", line)
-        code = bool(starts_code) or (code and (line.startswith("    ") or not line.strip()))
-        last = line
-        is_new = not line.strip() or line.startswith(("#", "|", "!", "<!--")) or re.match(r"\s*([-*]|\d+\.) ", line)
-        if (is_new or code) and current:
-            blocks.append(" ".join(current))
-            current = []
-        if code or not line.strip() or line.startswith(("#", "!", "<!--")):
-            continue
-        if line.startswith("|"):
-            cells = re.split(r"(?<!\\)\|", CODE.sub("", line))  # of names in code a cell may have many
-            blocks += [cell.strip() for cell in cells if cell.strip("-: ")]
-        else:
-            current.append(line.strip())
-    return blocks
-
-
-def sentences_of(text):
-    for block in prose_of(text):
-        block = re.sub(r" \[[\w/.]+\.(h|cpp|py)(, [\w/.]+)*\]", "", block)
-        block = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", CODE.sub("CODE", block)).replace("et al.", "et al")
-        yield from re.split(r"(?<=[.!?])[\"')*_]*\s+(?=[A-Z*\[(\"0-9])", block)
-
-
-def long_sentences_of(text):
-    """By a plain reader of Markdown, who takes code for words and a list for a paragraph, and knows no end of a sentence but a stop
-    and a space. Cells of tables are sentences."""
+def blocks_of(text):
+    """Lines of paragraphs, lists and cells of tables, by a plain reader of Markdown, who takes code for words and a list for a paragraph."""
     blocks, is_code, last = [[]], False, ""
     for line in re.sub(r"<!--.*?-->", "", FENCED.sub("\n", text)).splitlines():
         is_code = line.startswith("    ") and (is_code or not last.strip())
@@ -79,9 +46,26 @@ def long_sentences_of(text):
             blocks += [*([cell] for cell in cells), []]
         else:
             blocks[-1].append(line)
-    for block in blocks:
+    return blocks
+
+
+def items_of(text):
+    """A list's items apart."""
+    return re.split(r"\n\s*\n|\n(?=\s*(?:[-*]|\d+\.)\s)", "\n".join(line for block in blocks_of(text) for line in [*block, ""]))
+
+
+def sentences_of(text):
+    """Without code."""
+    for item in items_of(text):
+        plain = CODE.sub("CODE", item.replace("\n", " ")).replace("et al.", "et al")
+        yield from re.split(r"(?<=[.!?])[\"')*_]*\s+(?=[A-Z*\[(\"0-9])", plain)
+
+
+def long_sentences_of(text):
+    """Of a reader who knows no end of a sentence but a stop and a space. Cells of tables are sentences."""
+    for block in blocks_of(text):
         yield from too_long(r"(?<=[.!?])\s+", " ".join(block))
-    for item in re.split(r"\n\s*\n|\n(?=\s*(?:[-*]|\d+\.)\s)", "\n".join(line for block in blocks for line in [*block, ""])):
+    for item in items_of(text):
         yield from too_long(r"(?<=[.!?])\s+(?=[A-Z])", item.replace("\n", " "))
 
 

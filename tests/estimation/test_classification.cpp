@@ -24,42 +24,10 @@ Label decide(const ClassifierOptions& options, const MotionBelief& b) {
   return make_classifier(options, {})->decide(b, memory);
 }
 
-Label decide(const std::string& name, const MotionBelief& b) {
+ClassifierOptions thesis() {
   ClassifierOptions options;
-  options.name = name;
-  return decide(options, b);
-}
-
-TEST(Thesis, StaticWhenTheDensityAtRestExceedsItsThreshold) {
-  // (2 pi)^-1.5 sigma^-3 = 1.6 (m/s)^-3 at sigma = 0.3411 m/s.
-  const double limit = std::cbrt(std::pow(2.0 * M_PI, -1.5) / 1.6);
-  EXPECT_NEAR(limit, 0.3411, 1e-4);
-  EXPECT_EQ(decide("thesis", belief({0, 0, 0}, 0.999 * limit)), Label::kStatic);
-  EXPECT_EQ(decide("thesis", belief({0, 0, 0}, 1.001 * limit)), Label::kUnknown);
-  // Off rest the density falls by exp(-C_m^2 / 2).
-  EXPECT_NEAR(density_at_zero(Eigen::Vector3d(0.2, 0, 0), 0.01 * Eigen::Matrix3d::Identity()),
-              std::exp(-2.0) / (std::pow(2.0 * M_PI, 1.5) * 1e-3), 1e-9);
-}
-
-TEST(Thesis, MovingWhenRestIsFurtherThanItsThreshold) {
-  EXPECT_NEAR(
-      mahalanobis_from_zero(Eigen::Vector3d(0.3, 0, 0.4), 0.01 * Eigen::Matrix3d::Identity()), 5.0,
-      1e-12);
-  EXPECT_EQ(decide("thesis", belief({3.58, 0, 0}, 1.0)), Label::kUnknown);
-  EXPECT_EQ(decide("thesis", belief({3.59, 0, 0}, 1.0)), Label::kMoving);
-}
-
-TEST(Thesis, TheDensityIsThatOfTheVelocityInMetres) {
-  // u = rho v: at rho = 0.1 a sigma of 0.03411 / s is one of 0.3411 m/s.
-  Vector6d x;
-  x << 0.1, 0.2, 0.1, 0, 0, 0;
-  MotionBelief b = belief({0, 0, 0}, 0.0341);
-  b.density_scale = ScaledVelocity<InverseDepth>::density_scale(x);
-  EXPECT_NEAR(b.density_scale, 1e-3, 1e-15);
-  EXPECT_EQ(decide("thesis", b), Label::kStatic);
-  b.covariance *= 1.01;
-  EXPECT_EQ(decide("thesis", b), Label::kUnknown);
-  EXPECT_EQ(DynamicInverseDepth<InverseDepth>::density_scale(x), 1.0);
+  options.name = "thesis";
+  return options;
 }
 
 ClassifierOptions odds() {
@@ -70,22 +38,55 @@ ClassifierOptions odds() {
   return options;
 }
 
-TEST(Odds, AreThePosteriorOverThePriorDensityAtRest) {
-  // At rest they are (prior sigma / sigma)^3: 100 at a ratio of 4.64.
-  EXPECT_EQ(decide(odds(), belief({0, 0, 0}, 1.0 / 4.65)), Label::kStatic);
-  EXPECT_EQ(decide(odds(), belief({0, 0, 0}, 1.0 / 4.63)), Label::kUnknown);
-  // Away from it, exp(-C_m^2 / 2) of that: below 0.01 when C_m^2 > 2 log(100 ratio^3).
-  const double ratio = 4.0, limit = std::sqrt(2.0 * std::log(100.0 * 64.0));
-  EXPECT_EQ(decide(odds(), belief({0.999 * limit / ratio, 0, 0}, 1.0 / ratio)), Label::kUnknown);
-  EXPECT_EQ(decide(odds(), belief({1.001 * limit / ratio, 0, 0}, 1.0 / ratio)), Label::kMoving);
-  EXPECT_EQ(decide(odds(), belief({1e3, 0, 0}, 1.0 / ratio)), Label::kMoving);  // density 0
+// The labels just below a sigma at rest, or a speed, and just above.
+void expect_of_sigma(const ClassifierOptions& options, double sigma, Label below, Label above) {
+  EXPECT_EQ(decide(options, belief({0, 0, 0}, 0.999 * sigma)), below);
+  EXPECT_EQ(decide(options, belief({0, 0, 0}, 1.001 * sigma)), above);
+}
+void expect_of_speed(const ClassifierOptions& options, double speed, double sigma) {
+  EXPECT_EQ(decide(options, belief({0.999 * speed, 0, 0}, sigma)), Label::kUnknown);
+  EXPECT_EQ(decide(options, belief({1.001 * speed, 0, 0}, sigma)), Label::kMoving);
 }
 
-TEST(Odds, PriorOddsMultiply) {
+TEST(Thesis, StaticWhenTheDensityAtRestExceedsItsThreshold) {
+  // (2 pi)^-1.5 sigma^-3 = 1.6 (m/s)^-3 at sigma = 0.3411 m/s.
+  const double limit = std::cbrt(std::pow(2.0 * M_PI, -1.5) / 1.6);
+  EXPECT_NEAR(limit, 0.3411, 1e-4);
+  expect_of_sigma(thesis(), limit, Label::kStatic, Label::kUnknown);
+  // Off rest the density falls by exp(-C_m^2 / 2).
+  EXPECT_NEAR(density_at_zero(Eigen::Vector3d(0.2, 0, 0), 0.01 * Eigen::Matrix3d::Identity()),
+              std::exp(-2.0) / (std::pow(2.0 * M_PI, 1.5) * 1e-3), 1e-9);
+}
+
+TEST(Thesis, MovingWhenRestIsFurtherThanItsThreshold) {
+  EXPECT_NEAR(
+      mahalanobis_from_zero(Eigen::Vector3d(0.3, 0, 0.4), 0.01 * Eigen::Matrix3d::Identity()), 5.0,
+      1e-12);
+  expect_of_speed(thesis(), 3.583, 1.0);
+}
+
+TEST(Thesis, TheDensityIsThatOfTheVelocityInMetres) {
+  // u = rho v: at rho = 0.1 a sigma of 0.03411 / s is one of 0.3411 m/s.
+  Vector6d x;
+  x << 0.1, 0.2, 0.1, 0, 0, 0;
+  MotionBelief b = belief({0, 0, 0}, 0.0341);
+  b.density_scale = ScaledVelocity<InverseDepth>::density_scale(x);
+  EXPECT_NEAR(b.density_scale, 1e-3, 1e-15);
+  EXPECT_EQ(decide(thesis(), b), Label::kStatic);
+  b.covariance *= 1.01;
+  EXPECT_EQ(decide(thesis(), b), Label::kUnknown);
+  EXPECT_EQ(DynamicInverseDepth<InverseDepth>::density_scale(x), 1.0);
+}
+
+// At rest they are (prior sigma / sigma)^3; away from it, exp(-C_m^2 / 2) of that.
+TEST(Odds, AreThePosteriorOverThePriorDensityAtRest) {
+  expect_of_sigma(odds(), 1.0 / std::cbrt(100.0), Label::kStatic, Label::kUnknown);
+  const double ratio = 4.0, limit = std::sqrt(2.0 * std::log(100.0 * 64.0));
+  expect_of_speed(odds(), limit / ratio, 1.0 / ratio);
+  EXPECT_EQ(decide(odds(), belief({1e3, 0, 0}, 1.0 / ratio)), Label::kMoving);  // density 0
   ClassifierOptions options = odds();
-  options.prior_odds = 10.0;  // so that a factor of 10 suffices: a ratio of 2.15
-  EXPECT_EQ(decide(options, belief({0, 0, 0}, 1.0 / 2.16)), Label::kStatic);
-  EXPECT_EQ(decide(options, belief({0, 0, 0}, 1.0 / 2.15)), Label::kUnknown);
+  options.prior_odds = 10.0;  // multiply: a factor of 10 suffices
+  expect_of_sigma(options, 1.0 / std::cbrt(10.0), Label::kStatic, Label::kUnknown);
 }
 
 // At the defaults the answer is that of the evidence: prior odds of 2, decisive at 20 either way.
@@ -93,12 +94,9 @@ TEST(Odds, PriorOddsMultiply) {
 TEST(Odds, OfTheDefaultsAskForEvidenceOnly) {
   const ClassifierOptions defaults;
   EXPECT_EQ(defaults.name, "odds");
-  const double ratio = std::cbrt(10.0);
-  EXPECT_EQ(decide(defaults, belief({0, 0, 0}, 0.999 / ratio)), Label::kStatic);
-  EXPECT_EQ(decide(defaults, belief({0, 0, 0}, 1.001 / ratio)), Label::kUnknown);
-  const double limit = std::sqrt(2.0 * std::log(2.0 * 20.0 * 10.0)) / ratio;
-  EXPECT_EQ(decide(defaults, belief({0.999 * limit, 0, 0}, 1.0 / ratio)), Label::kUnknown);
-  EXPECT_EQ(decide(defaults, belief({1.001 * limit, 0, 0}, 1.0 / ratio)), Label::kMoving);
+  const double sigma = 1.0 / std::cbrt(10.0);
+  expect_of_sigma(defaults, sigma, Label::kStatic, Label::kUnknown);
+  expect_of_speed(defaults, sigma * std::sqrt(2.0 * std::log(2.0 * 20.0 * 10.0)), sigma);
   MotionBelief b = belief({0, 0, 0}, 0.01);
   b.covariance(2, 2) = 1.0;
   EXPECT_EQ(decide(defaults, b), Label::kStatic);
@@ -138,8 +136,8 @@ TEST(Odds, HaveNoUnit) {
 TEST(Classifier, ABrokenCovarianceDecidesNothing) {
   MotionBelief b = belief({1, 0, 0}, 0.1);
   b.covariance(1, 1) = -1.0;
-  EXPECT_EQ(decide("thesis", b), Label::kUnknown);
-  EXPECT_EQ(decide("odds", b), Label::kUnknown);
+  EXPECT_EQ(decide(thesis(), b), Label::kUnknown);
+  EXPECT_EQ(decide(ClassifierOptions{}, b), Label::kUnknown);
 }
 
 TEST(Truth, IsKnownFromBirthAndOtherwiseUnknown) {
@@ -148,9 +146,7 @@ TEST(Truth, IsKnownFromBirthAndOtherwiseUnknown) {
   const auto truth = make_classifier(options, {{7, Label::kMoving}});
   EXPECT_EQ(truth->at_birth(7), Label::kMoving);
   EXPECT_EQ(truth->at_birth(8), Label::kUnknown);
-  options.name = "thesis";
-  const auto thesis = make_classifier(options, {});
-  EXPECT_EQ(thesis->at_birth(7), Label::kUnknown);
+  EXPECT_EQ(make_classifier(thesis(), {})->at_birth(7), Label::kUnknown);
 }
 
 TEST(TrackPolicy, SaysWhenALandmarkIsGivenUp) {

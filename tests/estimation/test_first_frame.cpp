@@ -14,17 +14,19 @@ TrackRecord record(int track, Label label, int first_frame = kFirst) {
   return initialised(track, first_frame, label, LandmarkPrior{});
 }
 
+// After its beginning.
 FirstFrame with(FirstFrameLabels labels) {
   LabelOptions options;
   options.first_frame = labels;
   options.start_over = 3;
-  return FirstFrame(options);
+  FirstFrame first(options);
+  first.begin(frame(kFirst));
+  return first;
 }
 
 TEST(FirstFrame, IsStaticByRuleOrUnknown) {
   FirstFrame rule = with(FirstFrameLabels::kStatic), unknown = with(FirstFrameLabels::kUnknown);
-  for (FirstFrame* first : {&rule, &unknown}) {
-    first->begin(frame(kFirst));
+  for (const FirstFrame* first : {&rule, &unknown}) {
     EXPECT_FALSE(first->is_open());
     EXPECT_TRUE(first->frames().empty());
   }
@@ -37,7 +39,6 @@ TEST(FirstFrame, IsStaticByRuleOrUnknown) {
 
 TEST(FirstFrame, OfOddsIsStaticAtOnceButForWhatIsDropped) {
   FirstFrame first = with(FirstFrameLabels::kOdds);
-  first.begin(frame(kFirst));
   EXPECT_FALSE(first.is_rule());
   for (const int track : {1, 2}) {
     EXPECT_EQ(first.label(track), Label::kStatic);
@@ -53,7 +54,6 @@ TEST(FirstFrame, OfOddsIsStaticAtOnceButForWhatIsDropped) {
 
 TEST(FirstFrame, HoldsStaticLandmarksOfThatFrameThatWereNotKnown) {
   FirstFrame first = with(FirstFrameLabels::kOdds);
-  first.begin(frame(kFirst));
   first.label(1);
   EXPECT_FALSE(first.undoes_from_the_start(record(1, Label::kUnknown)));
   EXPECT_FALSE(first.undoes_from_the_start(record(1, Label::kMoving)));
@@ -66,7 +66,7 @@ TEST(FirstFrame, HoldsStaticLandmarksOfThatFrameThatWereNotKnown) {
 TEST(FirstFrame, LabelsStandAfterTheStart) {
   FirstFrame first = with(FirstFrameLabels::kOdds);
   for (int i = 0; i < 3; ++i) {
-    first.begin(frame(kFirst + i));
+    if (i > 0) first.begin(frame(kFirst + i));
     first.label(1);
     ASSERT_EQ(std::ssize(first.frames()), i + 1);
     EXPECT_EQ(first.frames().back().index, kFirst + i);
@@ -81,7 +81,6 @@ TEST(FirstFrame, LabelsStandAfterTheStart) {
 // As where processing frames again has cost enough.
 TEST(FirstFrame, ClosedItHoldsNothing) {
   FirstFrame first = with(FirstFrameLabels::kOdds);
-  first.begin(frame(kFirst));
   EXPECT_EQ(first.label(1), Label::kStatic);
   first.close();
   EXPECT_FALSE(first.undoes_from_the_start(record(1, Label::kStatic)));
@@ -92,7 +91,6 @@ TEST(FirstFrame, ClosedItHoldsNothing) {
 // The classifier gave all labels, so that none was asked for.
 TEST(FirstFrame, IsClosedWhereAllLabelsAreGiven) {
   FirstFrame first = with(FirstFrameLabels::kOdds);
-  first.begin(frame(kFirst));
   EXPECT_FALSE(first.undoes_from_the_start(record(1, Label::kStatic)));
   EXPECT_TRUE(first.is_open());
   first.begin(frame(kFirst + 1));

@@ -49,6 +49,12 @@ class World {
   Eigen::VectorXd nu_;
 };
 
+FrameGate judged(const FrameInnovation& frame, const GateOptions& options) {
+  FrameGate gate(options, 1.0);
+  gate.judge(frame);
+  return gate;
+}
+
 int accepted(const FrameGate& gate, std::size_t n) {
   int count = 0;
   for (std::size_t i = 0; i < n; ++i) count += gate.accepts(i) ? 1 : 0;
@@ -57,8 +63,7 @@ int accepted(const FrameGate& gate, std::size_t n) {
 
 TEST(FrameGate, NisGivenOthersIsThatOfTheConditionalGaussian) {
   World world(5, 13.0, 0.5, 1);
-  FrameGate gate({1.0, 1.0}, 1.0);
-  gate.judge(world.frame);
+  const FrameGate gate = judged(world.frame, {1.0, 1.0});
   const Eigen::MatrixXd& S = world.S();
   for (Eigen::Index i = 0; i < 5; ++i) {
     std::vector<int> own{static_cast<int>(2 * i), static_cast<int>(2 * i + 1)}, others;
@@ -82,8 +87,7 @@ TEST(FrameGate, BelievesMostOfAFrameAgainstItsPrediction) {
     world.frame.nu[i] += Eigen::Vector2d(39.0, 39.0);
     if (i < kOutliers) world.frame.nu[i] += Eigen::Vector2d(0.0, 20.0);
   }
-  FrameGate gate({0.95, 0.999}, 1.0);
-  gate.judge(world.frame);
+  const FrameGate gate = judged(world.frame, {0.95, 0.999});
   for (std::size_t i = 0; i < kAll; ++i) EXPECT_EQ(gate.accepts(i), i >= kOutliers) << i;
   for (std::size_t i = kOutliers; i < kAll; ++i) EXPECT_TRUE(gate.accepts_alone(i)) << i;
 }
@@ -93,8 +97,7 @@ TEST(FrameGate, AMajorityOfFewDoesNotDecide) {
   for (std::size_t n = 1; n <= 5; ++n) {
     World world(n, 13.0, 0.5, 7);
     for (Eigen::Vector2d& nu : world.frame.nu) nu = {39.0, 39.0};
-    FrameGate gate({0.95, 0.999}, 1.0);
-    gate.judge(world.frame);
+    const FrameGate gate = judged(world.frame, {0.95, 0.999});
     EXPECT_EQ(accepted(gate, n), n < 5 ? 0 : 5) << n;
   }
 }
@@ -107,8 +110,7 @@ TEST(FrameGate, DoesNotBelieveAMinority) {
     const double turn = static_cast<double>(i % 3) * 2.1;
     world.frame.nu[i] = Eigen::Vector2d(60.0 * std::cos(turn), 60.0 * std::sin(turn));
   }
-  FrameGate gate({0.95, 0.999}, 1.0);
-  gate.judge(world.frame);
+  const FrameGate gate = judged(world.frame, {0.95, 0.999});
   EXPECT_EQ(accepted(gate, kAll), 0);
 }
 
@@ -120,9 +122,8 @@ TEST(FrameGate, FindsOutliersThatTheCamerasErrorHides) {
   for (std::size_t i = 0; i < kOutliers; ++i) {
     world.frame.nu[i] += Eigen::Vector2d((i % 2 == 0 ? 1.0 : -1.0) * 12.0, 9.0);
   }
-  FrameGate alone({0.95, 1.0}, 1.0), joint({0.95, 0.99}, 1.0);
-  alone.judge(world.frame);
-  joint.judge(world.frame);
+  const FrameGate alone = judged(world.frame, {0.95, 1.0}),
+                  joint = judged(world.frame, {0.95, 0.99});
   int passed_alone = 0, passed = 0;
   for (std::size_t i = 0; i < kOutliers; ++i) {
     passed_alone += alone.accepts(i) ? 1 : 0;
@@ -138,8 +139,7 @@ TEST(FrameGate, WhatIsLetGoLeavesNoTrace) {
   World world(20, 13.0, 0.5, 3);
   world.frame.nu[4] += Eigen::Vector2d(15.0, 0.0);
   world.frame.nu[11] += Eigen::Vector2d(0.0, -30.0);
-  FrameGate gate({1.0, 0.999}, 1.0);
-  gate.judge(world.frame);
+  const FrameGate gate = judged(world.frame, {1.0, 0.999});
   EXPECT_FALSE(gate.accepts(4));
   EXPECT_FALSE(gate.accepts(11));
   std::vector<int> kept;
@@ -171,16 +171,14 @@ TEST(FrameGate, LetsTheStatedShareOfCorrectMeasurementsPass) {
 TEST(FrameGate, WhatAllShareIsNoOutlier) {
   World world(30, 13.0, 0.5, 5);
   for (Eigen::Vector2d& nu : world.frame.nu) nu += Eigen::Vector2d(60.0, 0.0);
-  FrameGate gate({1.0, 0.99}, 1.0);
-  gate.judge(world.frame);
+  const FrameGate gate = judged(world.frame, {1.0, 0.99});
   EXPECT_GE(accepted(gate, 30), 28);
   EXPECT_GT(gate.joint_nis(), 60.0 + 10.0);  // but the frame says that something is wrong
 }
 
 TEST(FrameGate, AnEmptyFrameIsNone) {
   FrameInnovation none;
-  FrameGate gate({0.95, 0.99}, 1.0);
-  gate.judge(none);
+  const FrameGate gate = judged(none, {0.95, 0.99});
   EXPECT_EQ(gate.joint_nis(), 0.0);
 }
 

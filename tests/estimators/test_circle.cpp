@@ -1,41 +1,41 @@
-// The default scenario, shortened: no estimator may lose the camera. On 50 seeds:
-// eval/studies/believable.yaml.
+// The default scenario, shortened, at the defaults, with a third of the first frame's map moving,
+// which the thesis's rule takes for static (figure 4.5): the run starts over without wrong labels,
+// so that their damage goes (estimation/test_frame_loop.cpp). On 50 seeds:
+// eval/studies/believable.yaml; beside other rules for the first frame: first_frame.yaml.
 #include <gtest/gtest.h>
 
 #include "datasets/simulation/scenario.h"
+#include "eval/run/process.h"
 #include "eval/run/run.h"
 
 namespace slammot {
 namespace {
 
-using Case = std::tuple<std::string, int>;
+class Circle : public testing::TestWithParam<const char*> {};
 
-class Circle : public testing::TestWithParam<Case> {};
-
-// A third of the circle is 21 m long; 5% of that would still be a bad figure, but no lost camera.
-TEST_P(Circle, TheCameraIsNotLost) {
-  constexpr int kFrames = 150;
-  constexpr double kLost = 0.05 * 21.0;
-  const auto& [estimator, seed] = GetParam();
-  const Sequence whole = simulate("circle", {}, static_cast<unsigned>(seed));
-  const Sequence sequence = select_frames(whole, 0, kFrames - 1, 1);
-  const RunResult run = run_estimator(sequence, Configuration{}, estimator);
-  ASSERT_FALSE(run.diverged);
-  ASSERT_EQ(run.filtered.size(), static_cast<std::size_t>(kFrames));
-  double worst = 0.0;
-  for (std::size_t i = 0; i < run.filtered.size(); ++i) {
-    worst = std::max(worst, (run.filtered[i].state.position - sequence.truth[i]->position).norm());
+// Six movers of the first frame among 12 static points. Counted are those measured ten times.
+TEST_P(Circle, NeitherLosesTheCameraNorKeepsAMapOfMovers) {
+  prepare_process();  // BLAS threads would only wait for each other
+  std::map<Label, int> labels;
+  for (const unsigned seed : {1u, 2u}) {
+    const Sequence sequence =
+        simulate("circle", {{"frames", "90"}, {"first_moving", "6"}, {"moving", "600"}}, seed);
+    const RunResult run = run_estimator(sequence, {}, GetParam());
+    ASSERT_EQ(run.filtered.size(), sequence.frames.size());
+    for (std::size_t i = 0; i < run.filtered.size(); ++i) {
+      const Eigen::Vector3d& p = run.filtered[i].state.position;
+      EXPECT_LT((p - sequence.truth[i]->position).norm(), 0.05 * 12.6) << i;  // of the path
+    }
+    for (const LandmarkRecord& l : run.landmarks) {
+      const TrueLandmark& truth = sequence.landmarks.at(l.estimate.track);
+      const bool is_poison = truth.label == Label::kMoving && truth.at(0) != nullptr;
+      if (is_poison && l.estimate.observations >= 10) ++labels[l.estimate.label];
+    }
   }
-  std::printf("largest error %.3f m\n", worst);
-  EXPECT_LT(worst, kLost);
+  EXPECT_GT(labels[Label::kMoving], 5 * labels[Label::kStatic]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, Circle,
-                         testing::Combine(testing::Values("ekf", "window"), testing::Range(1, 3)),
-                         [](const auto& c) {
-                           return std::get<0>(c.param) + "_seed" +
-                                  std::to_string(std::get<1>(c.param));
-                         });
+INSTANTIATE_TEST_SUITE_P(Families, Circle, testing::Values("ekf", "window"));
 
 }  // namespace
 }  // namespace slammot

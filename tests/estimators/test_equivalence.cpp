@@ -120,8 +120,6 @@ void expect_same_labels(const std::vector<LandmarkEstimate>& a,
 
 void compare(const Sequence& sequence, Estimator& ekf, Estimator& window, Difference& d,
              double rounding = 1.0) {
-  ekf.keep_predictions();
-  window.keep_predictions();
   NoStages stages;
   for (const Frame& frame : sequence.frames) {
     const FrameReport a = ekf.process(frame, stages), b = window.process(frame, stages);
@@ -184,9 +182,12 @@ TEST_P(OneFrameOf, AndOneStepIsTheEkf) {
   models.adaptive_motion = GetParam().point != "xyz";
   models.collapse = GetParam().collapse == "drop" ? Collapse::kDrop : Collapse::kCondition;
   models.classifier.name = GetParam().classifier;
+  const auto ekf = make_ekf(setup, without_gauge(models), without_devices());
+  const auto window = make_window(setup, models, one_frame_and_step());
+  ekf->keep_predictions();
+  window->keep_predictions();
   Difference d;
-  compare(sequence, *make_ekf(setup, without_gauge(models), without_devices()),
-          *make_window(setup, models, one_frame_and_step()), d);
+  compare(sequence, *ekf, *window, d);
   // 1e-6 is asked for; what is seen is 1e-11 and better. Near rho = 0, where the wide depth prior
   // leads, a position's covariance goes with rho^-4 and magnifies rounding.
   const bool wide = GetParam().inverse_depth_sigma > 0.0;

@@ -1,12 +1,10 @@
-// A camera that moves more than was stated of it: EKF and window widen its noise alike.
+// A camera that moves more than was stated of it: EKF and window widen its noise alike. When:
+// estimation/test_frame_loop.cpp and test_camera_noise.cpp; what it does to runs:
+// eval/studies/jolts.yaml, and with wrong matches hostile.yaml.
 #include <gtest/gtest.h>
-
-#include <cmath>
 
 #include "datasets/simulation/scenario.h"
 #include "eval/configuration/setup.h"
-#include "eval/metrics/metrics.h"
-#include "eval/run/run.h"
 #include "filters/ekf.h"
 #include "smoothers/window/window.h"
 
@@ -88,54 +86,6 @@ TEST(JoltInTheWindow, TellsTheBatchOfAWidenedStep) {
   EXPECT_DOUBLE_EQ(told.angular_acceleration, 7.0 * stated.angular_acceleration);
   window.widen(1.0 / 49.0);
   EXPECT_DOUBLE_EQ(told.acceleration, stated.acceleration);
-}
-
-// Geometric mean over three seeds of the position's RMSE. On others: eval/studies/jolts.yaml and
-// hostile.yaml.
-double position_rmse(const std::string& family, const std::string& scenario,
-                     const ScenarioOverrides& settings, const Configuration& configuration) {
-  double product = 1.0;
-  for (const std::uint64_t seed : {31u, 32u, 33u}) {
-    const Sequence sequence = simulate(scenario, settings, seed);
-    const EvaluatedRun run = run_and_evaluate(sequence, configuration, family, {});
-    product *= run.metrics.filtered.accuracy.value->position_rmse;
-  }
-  return std::cbrt(product);
-}
-
-// Everything is drawn from the models, but the camera's noise is stated four times too small.
-TEST_P(Jolt, NoiseStatedFourTimesTooSmallCostsLittle) {
-  Configuration small;
-  small.motion.acceleration = 0.5;
-  small.motion.angular_acceleration = 0.15;
-  Configuration fixed = small;
-  fixed.model.adaptive_motion = false;
-  const auto rmse = [&](const Configuration& configuration) {
-    return position_rmse(GetParam(), "model_matched",
-                         {{"frames", "60"}, {"acceleration", "2"}, {"angular_acceleration", "0.6"}},
-                         configuration);
-  };
-  const double right = rmse({}), adaptive = rmse(small), as_told = rmse(fixed);
-  std::printf("%s: %.2f times the error of what is true, %.2f where nothing adapts\n",
-              GetParam().c_str(), adaptive / right, as_told / right);
-  EXPECT_LT(adaptive, 2.0 * right);
-  EXPECT_GT(as_told, 2.5 * right);
-}
-
-// Half of the matches are wrong, so that their NIS is the median in some frames. A median over all
-// static landmarks, of b40cd22's parent, has 2 to 3 times the error of noise that does not adapt
-// (EKF), and 1.6 to 1.9 times (window).
-TEST_P(Jolt, WrongMatchesAreNotTakenForOne) {
-  Configuration fixed;
-  fixed.model.adaptive_motion = false;
-  const auto rmse = [&](const Configuration& configuration) {
-    return position_rmse(GetParam(), "circle", {{"frames", "60"}, {"outliers", "0.5"}},
-                         configuration);
-  };
-  const double adaptive = rmse({}), as_told = rmse(fixed);
-  std::printf("%s: %.2f times the error of noise that does not adapt\n", GetParam().c_str(),
-              adaptive / as_told);
-  EXPECT_LT(adaptive, 1.3 * as_told);
 }
 
 }  // namespace

@@ -15,15 +15,15 @@ namespace {
 using test::FakeEstimator;
 using test::landmark;
 
-constexpr int kFrames = 10;
+constexpr int kLabelled = 10;
 
 // Track 0 never moves, track 1 always; track 2 moves, stands in frames 3 to 6, and moves again.
 Sequence stop_and_go() {
-  Sequence sequence = test::straight_line(kFrames);
+  Sequence sequence = test::straight_line(kLabelled);
   sequence.camera.fx = sequence.camera.fy = 400.0;  // as the reader wants it
   sequence.landmarks[2].label = Label::kMoving;
   double z = 5.0;
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kLabelled; ++i) {
     const double v = i >= 3 && i <= 6 ? 0.0 : 1.0;
     sequence.landmarks[2].by_frame[i] = {Eigen::Vector3d(1, 0, z), {0, 0, v}};
     z += v;
@@ -40,32 +40,20 @@ void measure(Sequence& sequence, int track, int first, int last) {
 TEST(LabelTruth, IsTheMotionWhenLastMeasured) {
   Sequence sequence = stop_and_go();
   for (const int track : {0, 1, 2}) measure(sequence, track, 0, 5);
-  auto truth = labels_when_last_measured(sequence, kFrames);
+  auto truth = labels_when_last_measured(sequence, kLabelled);
   EXPECT_EQ(truth,
             (std::map<int, Label>{{0, Label::kStatic}, {1, Label::kMoving}, {2, Label::kStatic}}));
   EXPECT_EQ(labels_when_last_measured(sequence, 2).at(2), Label::kMoving);  // a run that ended
   measure(sequence, 2, 7, 8);
-  EXPECT_EQ(labels_when_last_measured(sequence, kFrames).at(2), Label::kMoving);
+  EXPECT_EQ(labels_when_last_measured(sequence, kLabelled).at(2), Label::kMoving);
 }
 
 TEST(LabelTruth, IsTheClassWhereNothingElseIsKnown) {
   Sequence sequence = stop_and_go();
-  EXPECT_EQ(labels_when_last_measured(sequence, kFrames).at(2), Label::kMoving);  // not measured
+  EXPECT_EQ(labels_when_last_measured(sequence, kLabelled).at(2), Label::kMoving);  // not measured
   measure(sequence, 2, 5, 5);
   sequence.landmarks[2].by_frame.erase(5);
-  EXPECT_EQ(labels_when_last_measured(sequence, kFrames).at(2), Label::kMoving);
-}
-
-// Scenes whose movers never stop are judged by class, wherever they were last measured.
-TEST(LabelTruth, OfMoversThatNeverStopIsTheirClass) {
-  for (const char* name : {"circle", "helix", "model_matched"}) {
-    const Sequence sequence = simulate(name, {{"frames", "120"}}, 1);
-    for (const int last : {20, 119}) {
-      for (const auto& [track, label] : labels_when_last_measured(sequence, last)) {
-        EXPECT_EQ(label, sequence.landmarks.at(track).label) << name << track;
-      }
-    }
-  }
+  EXPECT_EQ(labels_when_last_measured(sequence, kLabelled).at(2), Label::kMoving);
 }
 
 // A made-up run: who says `static` of the object that stands is right, who says `moving` is wrong;
@@ -73,6 +61,16 @@ TEST(LabelTruth, OfMoversThatNeverStopIsTheirClass) {
 TEST(LabelTruth, JudgesARunAndAStoredOne) {
   Sequence sequence = stop_and_go();
   for (const int track : {0, 1, 2}) measure(sequence, track, 0, 6);
+  const auto expect = [](const RunMetrics& metrics, Label said) {
+    const ClassCounts& statics = metrics.classification.statics;
+    EXPECT_EQ(statics.right, said == Label::kStatic ? 2 : 1);
+    EXPECT_EQ(statics.wrong, said == Label::kMoving ? 1 : 0);
+    EXPECT_EQ(statics.undecided, said == Label::kUnknown ? 1 : 0);
+    EXPECT_EQ(metrics.classification.movings.right, 1);
+  };
+  const test::TemporaryFolder folder;
+  const std::string stored = (folder.path() / "sequence").string();
+  write_native(sequence, stored);
   for (const Label said : {Label::kStatic, Label::kMoving, Label::kUnknown}) {
     FakeEstimator estimator([&](const Frame& f) {
       test::Belief belief = test::true_belief(sequence, f);
@@ -83,27 +81,16 @@ TEST(LabelTruth, JudgesARunAndAStoredOne) {
     });
     const RunResult run = drive(sequence, estimator);
     const RunMetrics metrics = compute_metrics(sequence, run, 0.95);
-    const ClassCounts& statics = metrics.classification.statics;
-    EXPECT_EQ(statics.right, said == Label::kStatic ? 2 : 1);
-    EXPECT_EQ(statics.wrong, said == Label::kMoving ? 1 : 0);
-    EXPECT_EQ(statics.undecided, said == Label::kUnknown ? 1 : 0);
-    EXPECT_EQ(metrics.classification.movings.right, 1);
+    expect(metrics, said);
     for (const LandmarkSample& s : run.samples) {
       if (s.track != 2) continue;
       EXPECT_EQ(s.label, said);
       EXPECT_EQ(s.truth, Label::kMoving);
       EXPECT_EQ(s.motion, s.frame >= 3 && s.frame <= 6 ? Label::kStatic : Label::kMoving);
     }
-
-    const test::TemporaryFolder folder;
-    write_native(sequence, folder.path() / "sequence");
-    const RunDescription description{"", "ekf", (folder.path() / "sequence").string(), "", "",
-                                     1,  {}};
-    write_run(folder.path() / "run", description, run, metrics);
-    const JudgedRun again = Judge({})(folder.path() / "run", std::nullopt);
-    EXPECT_EQ(again.metrics.classification.statics.right, statics.right);
-    EXPECT_EQ(again.metrics.classification.statics.wrong, statics.wrong);
-    EXPECT_EQ(again.metrics.classification.movings.right, 1);
+    const std::filesystem::path own = folder.path() / std::string(to_string(said));
+    write_run(own, {"", "ekf", stored, "", "", 1, {}}, run, metrics);
+    expect(Judge({})(own, std::nullopt).metrics, said);
   }
 }
 

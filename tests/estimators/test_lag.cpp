@@ -1,5 +1,5 @@
 // Poses of past frames as later measurements correct them: in the EKF by clones, in the window
-// because they are still there.
+// because they are still there. What that buys: eval/studies/lag.yaml.
 #include <gtest/gtest.h>
 
 #include "datasets/simulation/scenario.h"
@@ -23,7 +23,7 @@ Configuration configured() {
 }
 
 TEST(Lag, ChangesNothingOfTheFilter) {
-  const Sequence sequence = simulate("circle", {{"frames", "60"}}, 5);
+  const Sequence sequence = simulate("circle", {{"frames", "30"}}, 5);
   Configuration configuration = configured();
   const slammot::Setup setup = make_setup(sequence, configuration);
   const auto with = make_ekf(setup, configuration.model, configuration.ekf);
@@ -64,7 +64,7 @@ TEST(Lag, OfOneFrameIsThePoseBeforeUntilItIsMeasuredAgain) {
 // 10 cm, and as they are; pixels have no noise but are said to.
 TEST(Lag, AtTheTruthEkfAndWindowKnowThePastAlike) {
   Sequence sequence = simulate(
-      "circle", {{"frames", "60"}, {"moving", "0"}, {"noise", "1e-6"}, {"stated_noise", "1"}}, 3);
+      "circle", {{"frames", "30"}, {"moving", "0"}, {"noise", "1e-6"}, {"stated_noise", "1"}}, 3);
   Configuration configuration = configured();
   configuration.ekf.linearisation = FilterLinearisation::kIdeal;
   configuration.model.gate = {1.0, 1.0};
@@ -93,29 +93,8 @@ TEST(Lag, AtTheTruthEkfAndWindowKnowThePastAlike) {
       ++compared;
     }
   }
-  std::printf("largest difference of a correlation: %.2g of %d\n", worst, compared);
-  EXPECT_GT(compared, 400);
+  EXPECT_EQ(compared, 36 + 21 * kLag);  // from the tenth frame on all of them
   EXPECT_LT(worst, 0.02);
-}
-
-TEST(Lag, LaterMeasurementsMakeAPoseBetterKnown) {
-  const Sequence sequence = simulate("circle", {{"frames", "60"}}, 5);
-  const Configuration configuration = configured();
-  const slammot::Setup setup = make_setup(sequence, configuration);
-  const auto ekf = make_ekf(setup, configuration.model, configuration.ekf);
-  const auto window = make_window(setup, configuration.model, configuration.window);
-  NoStages stages;
-  for (Estimator* estimator : {ekf.get(), window.get()}) {
-    std::vector<double> filtered;
-    for (const Frame& frame : sequence.frames) {
-      estimator->process(frame, stages);
-      filtered.push_back(estimator->camera().covariance.topLeftCorner<3, 3>().trace());
-    }
-    const auto lagged = estimator->pose_before(kLag);
-    ASSERT_TRUE(lagged);
-    const double then = filtered[filtered.size() - 1 - kLag];
-    EXPECT_LT((lagged->covariance.topLeftCorner<3, 3>().trace()), then);
-  }
 }
 
 }  // namespace

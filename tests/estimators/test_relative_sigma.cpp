@@ -10,15 +10,15 @@
 namespace slammot {
 namespace {
 
-struct Case {
+struct Run {
   std::string name, estimator;
   std::vector<std::string> settings;
-  int frames = 40;
+  int frames = 25;
 };
 
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+void PrintTo(const Run& c, std::ostream* out) { *out << c.name; }
 
-class RelativeSigma : public testing::TestWithParam<Case> {};
+class RelativeSigma : public testing::TestWithParam<Run> {};
 
 TEST_P(RelativeSigma, TimesPixelSigmaIsTheNoise) {
   const Sequence sequence = simulate("circle", {{"frames", std::to_string(GetParam().frames)}}, 4);
@@ -48,14 +48,14 @@ TEST_P(RelativeSigma, TimesPixelSigmaIsTheNoise) {
   }
 }
 
-const Case kCases[] = {
+const Run kCases[] = {
     {"ekf", "ekf", {}},
     {"ekf_joint", "ekf", {"policy.movers=joint"}},
     {"ekf_iterated", "ekf", {"ekf.iterations=3"}},
     {"delayed", "delayed", {}},
     {"window", "window", {"window.frames=8"}},
-    {"window_ceres", "window", {"window.frames=3", "window.solver=ceres"}, 5},
-    {"batch", "batch", {}},
+    {"window_ceres", "window", {"window.frames=3", "window.solver=ceres"}, 3},
+    {"batch", "batch", {}, 10},
 };
 INSTANTIATE_TEST_SUITE_P(Estimators, RelativeSigma, testing::ValuesIn(kCases),
                          [](const auto& tested) { return tested.param.name; });

@@ -11,17 +11,15 @@ import sys
 import tempfile
 import time
 
+from fixture import SLAMMOT, program
+
 STUDY = """\
 format: slammot-study-1
 name: killed
 runs: 12
-scenarios: [{scenario: helix, set: {frames: 40}}]
+scenarios: [{scenario: helix, set: {frames: 20}}]
 estimators: [{estimator: ekf}, {estimator: window, set: {window.frames: 3}}]
 """
-
-
-def command(slammot, folder, *more):
-    return [slammot, "study", str(folder / "study.yaml"), "--jobs", "2", *more]
 
 
 def keys(journal):
@@ -29,10 +27,9 @@ def keys(journal):
     return [(run["result"]["cell"], run["result"]["seed"]) for run in runs]
 
 
-def interrupted(slammot, folder, output, chance, longest):
+def interrupted(study, chance, longest):
     """Starts or resumes; True if it was killed before it had finished."""
-    process = subprocess.Popen(command(slammot, folder, "--resume", "--output", str(output)),
-                               stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([SLAMMOT, *map(str, study)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     time.sleep(chance.uniform(0.0, longest))
     process.send_signal(chance.choice([signal.SIGKILL, signal.SIGKILL, signal.SIGTERM]))
     error = process.communicate()[1]
@@ -40,13 +37,14 @@ def interrupted(slammot, folder, output, chance, longest):
     return process.returncode != 0
 
 
-def main(slammot, kills=4, seed=1):
+def main(kills=4, seed=1):
     chance = random.Random(seed)
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         (folder / "study.yaml").write_text(STUDY, encoding="utf-8")
+        study = ["study", folder / "study.yaml", "--jobs", 2, "--output"]
         start = time.monotonic()
-        subprocess.run(command(slammot, folder, "--output", str(folder / "whole")), stdout=subprocess.DEVNULL, check=True)
+        program(*study, folder / "whole")
         longest = time.monotonic() - start
         expected = (folder / "whole/results.jsonl").read_bytes()
         done = studies = 0
@@ -54,13 +52,13 @@ def main(slammot, kills=4, seed=1):
             output = folder / str(studies)
             studies += 1
             known = []
-            while done < kills and interrupted(slammot, folder, output, chance, longest):
+            while done < kills and interrupted([*study, output, "--resume"], chance, longest):
                 done += 1
                 journal = output / "journal-1-of-1.jsonl"
                 now = keys(journal) if journal.exists() else []
                 assert now[:len(known)] == known, "a finished run was lost"
                 known = now
-            subprocess.run(command(slammot, folder, "--resume", "--output", str(output)), stdout=subprocess.DEVNULL, check=True)
+            program(*study, output, "--resume")
             runs = keys(output / "journal-1-of-1.jsonl")
             assert len(runs) == len(set(runs)) == 24, "a run was computed twice"
             assert (output / "results.jsonl").read_bytes() == expected, "other bytes"
@@ -68,4 +66,4 @@ def main(slammot, kills=4, seed=1):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], *map(int, sys.argv[2:]))
+    main(*map(int, sys.argv[1:]))

@@ -1,4 +1,5 @@
 // The journal of a study: whose runs are taken, who may write, and what a failure leaves.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -11,6 +12,7 @@
 namespace slammot {
 namespace {
 
+using testing::HasSubstr;
 using Json = nlohmann::ordered_json;
 using Places = std::map<RunKey, RunPlace>;
 
@@ -45,41 +47,34 @@ class JournalTest : public testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(JournalTest, GivesBackWhatWasAppended) {
+TEST_F(JournalTest, RefusesRunsOfAnotherConfigurationAndOthersUnlessMixed) {
+  const JournalRules mixed{kMine, 2, true};
   append(0, 1);
-  append(1, 7);
-  const Places found = places();
-  ASSERT_EQ(found.size(), 2u);
-  EXPECT_EQ(read_run_line(found.at({1, 7}))["result"]["seed"], 7);
-}
-
-TEST_F(JournalTest, RefusesAnotherConfiguration) {
-  append(0, 1);
-  const JournalIdentity other{"1", "program", "other"};
-  append(1, 1, other);
-  EXPECT_NE(refusal().find("jsonl:3: these runs are of another configuration"), std::string::npos);
-  EXPECT_NE(refusal({kMine, 2, true}).find("another configuration"), std::string::npos);
-}
-
-TEST_F(JournalTest, RefusesAnotherProgramUnlessMixed) {
-  append(0, 1);
-  append(1, 1, {"1", "rebuilt", "configuration"});
-  EXPECT_NE(refusal().find("another build"), std::string::npos);
-  EXPECT_EQ(places({kMine, 2, true}).size(), 2u);
-}
-
-TEST_F(JournalTest, RefusesRunsOfARecordingThatHasChangedUnlessMixed) {
-  append(0, 1);
-  append(1, 1, {"1", "program", "configuration", "recording"});
-  EXPECT_NE(refusal().find("jsonl:3: a recorded sequence has changed"), std::string::npos);
-  EXPECT_EQ(places({kMine, 2, true}).size(), 2u);
+  const std::string before = test::read_text(file());
+  const auto with = [&](const JournalIdentity& other) {
+    test::write_text(file(), before);
+    append(1, 1, other);
+    return refusal();
+  };
+  EXPECT_THAT(with({"1", "program", "other"}),
+              HasSubstr("jsonl:3: these runs are of another conf"));
+  EXPECT_THAT(refusal(mixed), HasSubstr("another configuration"));
+  EXPECT_THAT(with({"1", "rebuilt", "configuration"}), HasSubstr("another build"));
+  EXPECT_EQ(places(mixed).size(), 2u);
+  EXPECT_THAT(with({"1", "program", "configuration", "recording"}),
+              HasSubstr("jsonl:3: a recorded sequence has changed"));
+  EXPECT_EQ(places(mixed).size(), 2u);
 }
 
 TEST_F(JournalTest, NamesFileAndLineOfWhatIsNoRun) {
   const std::string head = R"({"journal": {"version": "1", "program": "program", )"
                            R"("configuration": "configuration"}})";
+  const std::string run =
+      R"({"result": {"cell": 0, "seed": 1, "diverged": null}, "timing": {"cell": 0, "seed": 1})";
+  const std::string deep =
+      run + R"(, "x": )" + std::string(99'999, '[') + std::string(99'999, ']') + "}";
   for (const char* line :
-       {"", "[]", "7", "{", R"({"result": {"cell": 0, "seed": 1}})",
+       {deep.c_str(), "", "[]", "7", "{", R"({"result": {"cell": 0, "seed": 1}})",
         R"({"result": {"cell": 0}, "timing": {"cell": 0}})",
         R"({"result": {"seed": 1}, "timing": {"seed": 1}})",
         R"({"result": {"cell": -1, "seed": 1}, "timing": {"cell": -1, "seed": 1}})",
@@ -91,21 +86,11 @@ TEST_F(JournalTest, NamesFileAndLineOfWhatIsNoRun) {
         R"({"result": {"cell": 0, "seed": 1, "diverged": 3}, "timing": {"cell": 0, "seed": 1}})",
         R"({"journal": {"version": "1"}})", R"({"journal": 1})", "{\"result\": \"\xff\"}"}) {
     test::write_text(file(), head + "\n" + line + "\n");
-    EXPECT_NE(refusal().find("journal-1-of-1.jsonl:2: "), std::string::npos) << line;
+    EXPECT_THAT(refusal(), HasSubstr("journal-1-of-1.jsonl:2: ")) << std::string(line, 0, 99);
   }
-  test::write_text(
-      file(),
-      R"({"result": {"cell": 0, "seed": 1, "diverged": null}, "timing": {"cell": 0, "seed": 1}})"
-      "\n");
-  EXPECT_NE(refusal().find("do not say what program"), std::string::npos);
+  test::write_text(file(), run + "}\n");
+  EXPECT_THAT(refusal(), HasSubstr("do not say what program"));
   EXPECT_EQ(places({kMine, 2, true}).size(), 1u);
-}
-
-TEST_F(JournalTest, IsLockedWhileSomebodyWrites) {
-  const Journal first(path(), "journal-1-of-2.jsonl", kMine);
-  EXPECT_THROW(Journal(path(), "journal-1-of-2.jsonl", kMine), std::invalid_argument);
-  EXPECT_THROW(Journal(path(), "journal-1-of-3.jsonl", kMine), std::invalid_argument);
-  EXPECT_NO_THROW(Journal(path(), "journal-2-of-2.jsonl", kMine));
 }
 
 TEST_F(JournalTest, CutsOffHalfALine) {

@@ -95,22 +95,6 @@ TEST(Nees, ABrokenCovarianceIsAFailureAndNeverZero) {
   EXPECT_DOUBLE_EQ(summary.interval_coverage, 2.0 / 3.0);
 }
 
-// The error is taken as the estimators state it: R_true = R_est Exp(dtheta), dr in the world.
-TEST(Nees, PoseErrorConventionAndFirstFrameLeftOut) {
-  const Vector12d d = Vector12d::LinSpaced(-0.2, 0.3);
-  PosePair pair;
-  pair.estimate.state.position << 1, 2, 3;
-  pair.estimate.state.orientation = exp_so3(Eigen::Vector3d(0.3, -1.0, 0.4));
-  pair.truth = boxplus(pair.estimate.state, d);
-  pair.estimate.covariance.setIdentity();
-  pair.estimate.covariance.diagonal().segment<3>(kRotation).setConstant(4.0);
-  const PoseConsistency result = pose_consistency({pair, pair});
-  ASSERT_EQ(result.series.size(), 1u);
-  EXPECT_NEAR(result.position.mean, d.segment<3>(kPosition).squaredNorm(), 1e-12);
-  EXPECT_NEAR(result.rotation.mean, d.segment<3>(kRotation).squaredNorm() / 4.0, 1e-12);
-  EXPECT_NEAR(result.pose.mean, result.position.mean + result.rotation.mean, 1e-12);
-}
-
 TEST(Statistics, QuantilesAndNothing) {
   EXPECT_DOUBLE_EQ(median({3, 1, 2, 4}), 2.5);
   EXPECT_DOUBLE_EQ(quantile({0, 1, 2, 3, 4}, 0.95), 3.8);

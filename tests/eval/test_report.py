@@ -1,13 +1,10 @@
-"""The report page, from a made-up comparison: drawn in headless Chromium without an error, no figure
-empty, nothing undefined shown, and whatever may be absent is allowed to be absent.
-
-`test_report.py --keep DIR` leaves the page and a screenshot of it in DIR.
-"""
+"""The report page, from a made-up comparison: drawn in headless Chromium without an error, no figure empty, nothing undefined shown,
+and whatever may be absent is allowed to be absent."""
 import base64
 import contextlib
 import copy
 import functools
-import html.parser
+import html
 import io
 import json
 import math
@@ -26,9 +23,8 @@ sys.path.insert(0, str(ROOT / "python"))
 from slammot.report import compare_report, page, study_figures, study_tables  # noqa: E402
 
 page.packed = functools.cache(page.packed)  # Plotly is the same on every page
-CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic",
-            "--no-first-run", "--disable-background-networking", "--disable-component-update",
-            "--disable-sync", "--enable-logging=stderr", "--virtual-time-budget=30000"]
+CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+            "--disable-component-update", "--disable-sync", "--enable-logging=stderr", "--virtual-time-budget=30000"]
 FRAMES = 600
 
 
@@ -46,55 +42,43 @@ def true_position(i):
 
 
 def nees_block(mean, dof):
-    return {"dof": dof, "used": FRAMES - 1, "covariances_not_positive_definite": 0, "mean": mean,
-            "mean_over_dof": mean / dof, "median": mean, "q95": 2 * mean,
-            "single_run_interval_95": [1.237, 14.449], "fraction_inside": min(0.95, 6 / mean)}
+    return {"dof": dof, "used": FRAMES - 1, "covariances_not_positive_definite": 0, "mean": mean, "mean_over_dof": mean / dof, "median": mean,
+            "q95": 2 * mean, "single_run_interval_95": [1.237, 14.449], "fraction_inside": min(0.95, 6 / mean)}
 
 
 def made_run(estimator, landmark, scale, overconfidence, seed):
     rng = random.Random(seed)
-    errors = [list(noisy(rng, scale)) for _ in range(3)]
-    offsets = list(zip(*errors))
+    offsets = list(zip(*[list(noisy(rng, scale)) for _ in range(3)]))
     distance = [math.dist(offset, (0, 0, 0)) for offset in offsets]
     rmse = math.sqrt(sum(d * d for d in distance) / FRAMES)
     nees = [overconfidence * rng.gammavariate(3.0, 2.0) for _ in range(FRAMES)]
-    position = [[p + e for p, e in zip(true_position(i), offsets[i])] for i in range(FRAMES)]
-    times = [i / 15 for i in range(FRAMES)]
-    series = {"stride": 1, "timestamp": times, "position": position, "position_error_m": distance,
-              "rotation_error_deg": [3 * d for d in distance], "nees_pose": [None, *nees[1:]],
-              "nees_position": nees, "nees_rotation": nees}
+    series = {"stride": 1, "timestamp": [i / 15 for i in range(FRAMES)], "position_error_m": distance,
+              "position": [[p + e for p, e in zip(true_position(i), offsets[i])] for i in range(FRAMES)],
+              "rotation_error_deg": [3 * d for d in distance], "nees_pose": [None, *nees[1:]], "nees_position": nees, "nees_rotation": nees}
     filtered = {
         "accuracy": {"poses": FRAMES, "position_rmse_m": rmse, "ate_sim3_m": 0.7 * rmse, "position_max_m": max(distance),
                      "position_final_m": distance[-1], "rotation_rmse_deg": 3 * rmse},
-        "nees": {"pose": nees_block(6 * overconfidence, 6),
-                 "position": nees_block(3 * overconfidence, 3)}}
-    stages = (["predict", "gate", "update", "classify", "manage"] if estimator == "ekf" else
-              ["predict", "gate", "build", "solve", "marginalise", "covariances", "classify", "manage"])
-    cost = [{"stage": s, "median_ms": rng.uniform(0.3, 4.0 if estimator == "ekf" else 9.0),
-             "p95_ms": 12.0, "total_ms": 900.0} for s in stages]
-    total = sum(c["median_ms"] for c in cost)
+        "nees": {"pose": nees_block(6 * overconfidence, 6), "position": nees_block(3 * overconfidence, 3)}}
     smooths = estimator == "window"
+    stages = ["predict", "gate", *(["build", "solve", "marginalise", "covariances"] if smooths else ["update"]), "classify", "manage"]
+    cost = [{"stage": s, "median_ms": rng.uniform(0.3, 9.0 if smooths else 4.0), "p95_ms": 12.0, "total_ms": 900.0} for s in stages]
+    total = sum(c["median_ms"] for c in cost)
+    name = f"{estimator}-{landmark}"
     return {
-        "label": f"{estimator}-{landmark}", "estimator": estimator, "kind": "filter" if estimator == "ekf" else "smoother", "landmark": landmark,
-        "folder": f"{estimator}-{landmark}", "overrides": {"landmark": landmark},
-        "configuration": {"landmark": landmark, "gate": 0.95, "classifier": "thesis"},
+        "label": name, "folder": name, "estimator": estimator, "kind": "smoother" if smooths else "filter", "landmark": landmark,
+        "overrides": {"landmark": landmark}, "configuration": {"landmark": landmark, "gate": 0.95, "classifier": "thesis"},
         "metrics": {
-            "diverged": False, "divergence": None, "filtered": filtered,
-            "smoothed": copy.deepcopy(filtered) if smooths else None,
+            "diverged": False, "divergence": None, "filtered": filtered, "smoothed": copy.deepcopy(filtered) if smooths else None,
             "classification": {
                 "static": {"right": 251, "wrong": 3, "undecided": 12, "misclassified": 15 / 266},
                 "moving": {"right": 201, "wrong": 5, "undecided": 30, "misclassified": 35 / 236},
                 "without_truth": 0, "median_frames_to_decision": 14.0},
-            "path_length_m": 41.375,
-            "nis": {"dof": 2, "mean": 1.71, "expected_mean": 1.685},
+            "path_length_m": 41.375, "nis": {"dof": 2, "mean": 1.71, "expected_mean": 1.685},
             "coverage": {"frames_offered": FRAMES, "frames_done": FRAMES},
-            "runtime": {"frame_median_ms": total, "frame_p95_ms": 1.6 * total,
-                        "frames_per_second": 900 / total, "smoothing_ms": 0.0,
+            "runtime": {"frame_median_ms": total, "frame_p95_ms": 1.6 * total, "frames_per_second": 900 / total, "smoothing_ms": 0.0,
                         "state_size_median": 412.0, "state_size_max": 640,
-                        "stages": [*cost, {"stage": "total", "median_ms": total, "p95_ms": 30.0,
-                                           "total_ms": 9000.0}]}},
-        "series": {**series, "frame": list(range(FRAMES)), "nis_mean": [1.7] * FRAMES,
-                   "accepted": [40] * FRAMES, "rejected": [2] * FRAMES,
+                        "stages": [*cost, {"stage": "total", "median_ms": total, "p95_ms": 30.0, "total_ms": 9000.0}]}},
+        "series": {**series, "frame": list(range(FRAMES)), "nis_mean": [1.7] * FRAMES, "accepted": [40] * FRAMES, "rejected": [2] * FRAMES,
                    "state_size": [412] * FRAMES, "frame_ms": [total] * FRAMES},
         "smoothed_series": copy.deepcopy(series) if smooths else None}
 
@@ -124,37 +108,30 @@ METRICS = [
 
 def made_comparison():
     rng = random.Random(7)
-    landmarks = []
-    for track in range(300):
-        place = [rng.uniform(-25, 5), rng.uniform(-3, 3), rng.uniform(-15, 15)]
-        kind = "static" if track % 2 else "moving"
-        landmarks.append({"track": track, "class": kind, "position": place, "last": place})
-    runs = [made_run("ekf", "dynamic_inverse_depth", 0.16, 3.4, 1),
-            made_run("ekf", "scaled_velocity", 0.10, 1.5, 2),
-            made_run("window", "dynamic_inverse_depth", 0.09, 1.3, 3),
-            made_run("window", "scaled_velocity", 0.07, 1.1, 4)]
-    return {"format": "slammot-compare-1", "version": "0.1.0",
-            "command": "slammot compare --scenario circle --seed 1",
-            "sequence": {"name": "circle", "path": "slammot-out/compare-circle/sequence",
-                         "sha256": "0f" * 32, "seed": 1, "frames": FRAMES, "exact_truth": True,
-                         "width": 640, "height": 480, "pixel_sigma": 1.0},
-            "truth": {"timestamp": [i / 15 for i in range(FRAMES)],
-                      "position": [true_position(i) for i in range(FRAMES)], "landmarks": landmarks},
-            "metrics": METRICS, "runs": runs}
+    places = [[rng.uniform(-25, 5), rng.uniform(-3, 3), rng.uniform(-15, 15)] for _ in range(300)]
+    landmarks = [{"track": i, "class": "static" if i % 2 else "moving", "position": place, "last": place} for i, place in enumerate(places)]
+    return {"format": "slammot-compare-1", "version": "0.1.0", "command": "slammot compare --scenario circle --seed 1",
+            "sequence": {"name": "circle", "path": "slammot-out/compare-circle/sequence", "sha256": "0f" * 32, "seed": 1, "frames": FRAMES,
+                         "exact_truth": True, "width": 640, "height": 480, "pixel_sigma": 1.0},
+            "truth": {"timestamp": [i / 15 for i in range(FRAMES)], "position": [true_position(i) for i in range(FRAMES)], "landmarks": landmarks},
+            "metrics": METRICS, "runs": [made_run("ekf", "dynamic_inverse_depth", 0.16, 3.4, 1), made_run("ekf", "scaled_velocity", 0.10, 1.5, 2),
+                                         made_run("window", "dynamic_inverse_depth", 0.09, 1.3, 3), made_run("window", "scaled_velocity", 0.07, 1.1, 4)]}
+
+
+def trajectories(run):
+    return [trajectory for trajectory in (run["metrics"]["filtered"], run["metrics"]["smoothed"]) if trajectory]
 
 
 def without_truth(comparison):
     comparison["truth"] = {"timestamp": [], "position": [], "landmarks": []}
     comparison["sequence"]["exact_truth"] = False
     for run in comparison["runs"]:
-        for trajectory in filter(None, (run["metrics"]["filtered"], run["metrics"]["smoothed"])):
-            trajectory.update(accuracy=None, accuracy_reason="no ground truth",
-                              nees=None, nees_reason="no ground truth")
-        for counts in (run["metrics"]["classification"][kind] for kind in ("static", "moving")):
-            counts.update(right=0, wrong=0, undecided=0, misclassified=None)
+        for trajectory in trajectories(run):
+            trajectory.update(accuracy=None, accuracy_reason="no ground truth", nees=None, nees_reason="no ground truth")
+        for kind in ("static", "moving"):
+            run["metrics"]["classification"][kind].update(right=0, wrong=0, undecided=0, misclassified=None)
         for series in filter(None, (run["series"], run["smoothed_series"])):
-            for name in ("position_error_m", "rotation_error_deg", "nees_pose"):
-                series[name] = [None] * FRAMES
+            series.update((name, [None] * FRAMES) for name in ("position_error_m", "rotation_error_deg", "nees_pose"))
 
 
 def with_measured_truth(comparison):
@@ -166,7 +143,7 @@ def with_measured_truth(comparison):
         series["aligned_position_error_m"] = [0.5 * e for e in series["position_error_m"]]
         series["nees_pose"] = [None] * FRAMES
         series["position"] = [[-2 * (z - 3), 2 * (y - 2), 2 * (x - 1)] for x, y, z in series["position"]]
-        for trajectory in filter(None, (run["metrics"]["filtered"], run["metrics"]["smoothed"])):
+        for trajectory in trajectories(run):
             trajectory.update(nees=None, nees_reason="truth is not exact")
 
 
@@ -189,19 +166,16 @@ def pooled(comparison):
         run.update(label=f"{name}-{i}", folder=f"{name}-{i}", estimator=name, landmark="", pooled=name, kind="foreign")
     comparison["sequence"].update(count=12, names=[f"circle-{seed}" for seed in range(1, 13)])
     comparison["estimators"] = [estimator("ekf", 0.12, 6.2), estimator("mine", 0.2, 9.0, failed=2)]
-    comparison["pairs"] = [{"a": "ekf", "b": "mine", "metric": "position_rmse_m", "pairs": 12, "wins_a": 11, "wins_b": 1,
-                            "p": 1e-4, "p_holm": 1e-4,
+    comparison["pairs"] = [{"a": "ekf", "b": "mine", "metric": "position_rmse_m", "pairs": 12, "wins_a": 11, "wins_b": 1, "p": 1e-4, "p_holm": 1e-4,
                             "difference": {"value": -0.08, "lower": -0.1, "upper": -0.06, "runs": 12}}]
 
 
 def diverged(run):
     run["metrics"].update(diverged=True, divergence={"frame": 120, "reason": "covariance <not> positive"})
     run["metrics"]["coverage"]["frames_done"] = 120
-    run["metrics"]["filtered"]["nees"]["pose"].update(
-        mean=None, mean_over_dof=None, covariances_not_positive_definite=3)
+    run["metrics"]["filtered"]["nees"]["pose"].update(mean=None, mean_over_dof=None, covariances_not_positive_definite=3)
     for name in ("position_error_m", "nees_pose"):
-        run["series"][name] = [e if e is None else e * 1.05 ** i
-                               for i, e in enumerate(run["series"][name])]
+        run["series"][name] = [e if e is None else e * 1.05 ** i for i, e in enumerate(run["series"][name])]
 
 
 def write_run_files(folder, run, comparison):
@@ -223,28 +197,10 @@ def write_run_files(folder, run, comparison):
         out.write("999,599,unknown,nan,nan,nan,nan,nan,nan\n")
 
 
-class Text(html.parser.HTMLParser):
+def text_of(page):
     """What a reader sees of a page before its figures are drawn."""
-
-    def __init__(self, page):
-        super().__init__()
-        self.inside, self.words = [], []
-        self.feed(page)
-
-    def handle_starttag(self, tag, attributes):
-        if tag in ("script", "style"):
-            self.inside.append(tag)
-
-    def handle_endtag(self, tag):
-        if self.inside and self.inside[-1] == tag:
-            self.inside.pop()
-
-    def handle_data(self, data):
-        if not self.inside:
-            self.words.append(data)
-
-    def __str__(self):
-        return re.sub(r"\s+", " ", " ".join(self.words))
+    seen = re.sub(r"(?s)<(script|style)\b.*?</\1>", " ", page)
+    return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]*>", " ", seen)))
 
 
 def generate(output):
@@ -266,17 +222,107 @@ def browse(page, *arguments):
     raise TimeoutError(f"chromium did not open {page.name} three times")
 
 
-def chromium(page, *arguments):
-    done = browse(page, *arguments)
-    errors = [line for line in done.stderr.splitlines() if ":CONSOLE" in line]
-    return done.stdout, errors
+def one_run(comparison):
+    del comparison["runs"][1:]
+
+
+def of_first_run(**metrics):
+    return lambda comparison: comparison["runs"][0]["metrics"].update(metrics)
+
+
+def every_run(change):
+    return lambda comparison: [change(run) for run in comparison["runs"]]
+
+
+def with_accuracies(key, *values):
+    def change(comparison):
+        for run, value in zip(comparison["runs"], values):
+            run["metrics"]["filtered"]["accuracy"][key] = value
+    return change
+
+
+def made_elsewhere(comparison):
+    """So that nobody counted its measurements."""
+    one_run(comparison)
+    run = comparison["runs"][0]
+    run.update(kind="foreign", landmark="-", label="mine", estimator="mine", configuration={})
+    run["metrics"]["coverage"].update(accepted=0, landmarks_admitted=0)
+
+
+def ended_before_its_first_frame(comparison):
+    run = comparison["runs"][0]
+    diverged(run)
+    run["metrics"].update(filtered={"accuracy": None, "nees": None}, nis={"mean": None}, runtime={"stages": [], "frame_median_ms": None})
+    run["series"] = {name: [] if isinstance(values, list) else values for name, values in run["series"].items()}
+
+
+def few_runs(comparison):
+    pooled(comparison)
+    comparison["estimators"] = [estimator("ekf", 0.12, 16.2, runs=3), estimator("mine", 0.2, 9.0, runs=3)]
+    for e in comparison["estimators"]:
+        for estimate in (*e["values"].values(), e["anees"]["pose"]):
+            estimate.update(lower=None, upper=None)
+    comparison["pairs"][0]["difference"].update(runs=3, lower=None, upper=None)
+
+
+def some_warn(comparison):
+    of_first_run(warnings=[{"frame": 12, "reason": "it is lost"}])(comparison)
+    pooled(comparison)
+    comparison["estimators"][0]["warned"] = 1
+
+
+def on_sequences(*names):
+    def change(comparison):
+        pooled(comparison)
+        comparison["sequence"].update(count=len(names), names=names)
+    return change
+
+
+def in_force(comparison):
+    on = {"name": "scale kept", "key": "gauge", "state": "on", "because": "", "acted": 17}
+    stated = [[on], [{**on, "state": "off", "because": "ekf.iterations=3", "acted": 0}], []]
+    for run, mechanisms in zip(comparison["runs"], stated):  # the last run was made elsewhere
+        run["metrics"]["in_force"] = mechanisms
+
+
+# A law, how a comparison is made so that it applies, what the page then says, and what it does not.
+SAID = (
+    ("filter and smoother are asked of both", lambda comparison: None, ["Filter or smoother? circle"], ["In force", "Frame by frame"]),
+    ("one run is judged alone", one_run, [
+        "Estimator judged: circle", "1 estimator on 600 frames.", "ekf · dynamic_inverse_depth has a position RMSE of"], []),
+    ("a run that failed is named", of_first_run(failed=True, failed_at=77), [
+        "ekf · dynamic_inverse_depth failed at frame 77: its error exceeds a tenth of the path so far, "
+        "and a metre or a tenth of the whole path, whichever is less."], []),
+    ("a run that warns is named", of_first_run(warnings=[{"frame": 12, "reason": "it is lost"}]), [
+        "Warned ekf · dynamic_inverse_depth, from frame 12: it is lost."], []),
+    ("all runs may diverge", every_run(diverged), ["diverged at frame 120"], []),
+    ("a run may end before its first frame", ended_before_its_first_frame, ["diverged at frame 120"], []),
+    ("runs over other frames are not ranked", with_accuracies("coverage", 1.0, 0.95, 0.5, 1.0), [
+        "Not compared, as the frames that have poses differ."], ["most accurate"]),
+    ("equal runs are not ranked", with_accuracies("position_rmse_m", 0.05, 0.05), [
+        "ekf · scaled_velocity are equally accurate, within 3%: position RMSE of"], ["most accurate"]),
+    ("a run made elsewhere is judged", made_elsewhere, ["mine has a position RMSE of"], []),
+    ("what is in force is told of each run that states it", in_force, [
+        "In force", "scale kept", "on, 17", "ekf.iterations=3", "states nothing"], []),
+    ("runs of an estimator are put together", pooled, [
+        "4 runs of 2 estimators on 12 sequences", "Estimators judged: 12 sequences: circle-1 to circle-12 4 runs", "0.120 0.108 to 0.132",
+        "More accurate (paired t tests, 5%): ekf than mine (in 11 of 12 runs).", "mine: 2 of 12 runs failed",
+        "ekf is neither shown consistent nor inconsistent: ANEES of the pose 6.2 [5.58, 6.82] (6 expected)",
+        "mine is overconfident: ANEES of the pose 9 [8.1, 9.9]"], ["Poses at a lag"]),
+    ("few runs decide nothing", few_runs, [
+        "95% interval over runs (fewer than five runs have no interval): ekf 0.12 m; mine 0.2 m.",
+        "ekf: ANEES of the pose 16.2 (6 expected); fewer than five runs decide nothing.",
+        "No difference is tested: fewer than five runs."], ["More accurate"]),
+    ("runs that warn are counted", some_warn, ["Warned ekf: 1 of 12 runs warn. ekf-0, from frame 12: it is lost."], []),
+    *((f"the title of sequences is {title}", on_sequences(*names), [f"Estimators judged: {title} 4 runs"], []) for names, title in (
+        (["circle-1"], "circle"), (["circle-1", "circle-2", "circle-3"], "3 sequences: circle-1 to circle-3"),
+        (["circle-3", "circle-1"], "2 sequences: circle-3, circle-1"), (["kitti", "kitti"], "2 sequences: kitti"),
+        (["a-1", "a-2", "a-4", "a-5"], "4 sequences: a-1, a-2, a-4 and 1 more"))))
 
 
 class Report(unittest.TestCase):
     def setUp(self):
-        keep = tempfile.TemporaryDirectory()
-        self.addCleanup(keep.cleanup)
-        self.output = pathlib.Path(keep.name)
+        self.output = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.comparison = made_comparison()
 
     def text_of_report(self, run_files=True):
@@ -285,19 +331,31 @@ class Report(unittest.TestCase):
                 write_run_files(self.output / run["folder"], run, self.comparison)
         (self.output / "compare.json").write_text(json.dumps(self.comparison))
         self.assertEqual(generate(self.output), (0, ""))
-        text = str(Text((self.output / "report.html").read_text()))
+        text = text_of((self.output / "report.html").read_text())
         self.assertNotRegex(text, r"(?i)\b(nan|none|null|inf|infinity|undefined)\b")
         return text
 
+    def charts(self):
+        page = (self.output / "report.html").read_text()
+        return json.loads(re.search(r'id="charts">(.*?)</script>', page, re.DOTALL)[1])
+
     def assert_drawn(self, figures, lines=4):
-        dom, errors = chromium(self.output / "report.html", "--dump-dom")
-        self.assertEqual(errors, [])
-        self.assertIn(f'data-drawn="{len(figures)}"', dom[:2000])
+        done = browse(self.output / "report.html", "--dump-dom")
+        self.assertNotIn(":CONSOLE", done.stderr)
+        self.assertIn(f'data-drawn="{len(figures)}"', done.stdout[:2000])
         for name in figures:
-            start = dom.index(f'id="chart-{name}"')
-            figure = dom[start:dom.find("<h2", start)]
+            start = done.stdout.index(f'id="chart-{name}"')
+            figure = done.stdout[start:done.stdout.find("<h2", start)]
             marks = re.findall(r'class="js-line"[^>]*\bd="M[^"]{20,}|class="point"><path d="M', figure)
             self.assertGreaterEqual(len(marks), lines, f"the figure {name} is empty")
+
+    def test_what_the_page_says(self):
+        for law, change, said, unsaid in SAID:
+            with self.subTest(law):
+                self.comparison = made_comparison()
+                change(self.comparison)
+                text = self.text_of_report(run_files=False)
+                self.assertEqual([words for words in said if words not in text] + [words for words in unsaid if words in text], [], text)
 
     def test_four_runs(self):
         text = self.text_of_report()
@@ -317,10 +375,6 @@ class Report(unittest.TestCase):
         self.assertIn("Not judged: no ground truth.", text)
         self.assert_drawn(["trajectory", "runtime"])
 
-    def charts(self):
-        page = (self.output / "report.html").read_text()
-        return json.loads(re.search(r'id="charts">(.*?)</script>', page, re.DOTALL)[1])
-
     def test_on_measured_truth_the_similarity_alignment_comes_first(self):
         with_measured_truth(self.comparison)
         text = self.text_of_report()
@@ -334,19 +388,6 @@ class Report(unittest.TestCase):
             self.assertAlmostEqual(path["y"][i], true_position(i)[2], delta=0.5)
         self.assertFalse([t for t in charts["position_error"]["data"] if "2σ" in t["name"]])
         self.assert_drawn(["trajectory", "position_error", "runtime"])
-
-    def test_runs_of_an_estimator_are_put_together(self):
-        pooled(self.comparison)
-        text = self.text_of_report()
-        self.assertIn("4 runs of 2 estimators on 12 sequences", text)
-        self.assertIn("Estimators judged: 12 sequences: circle-1 to circle-12 4 runs", text)
-        self.assertIn("More accurate (paired t tests, 5%): ekf than mine (in 11 of 12 runs).", text)
-        self.assertIn("ekf is consistent within its interval: ANEES of the pose 6.2 [5.58, 6.82] (6 expected)", text)
-        self.assertIn("mine is overconfident: ANEES of the pose 9 [8.1, 9.9]", text)
-        self.assertIn("mine: 2 of 12 runs failed", text)
-        self.assertNotIn("Poses at a lag", text)
-        self.assertIn("0.120 0.108 to 0.132", text)
-        self.assertEqual([*self.charts()], ["trajectory", "position_error", "nees", "runtime"])  # drawn below, with one more
 
     def test_poses_at_a_lag_of_who_keeps_them(self):
         pooled(self.comparison)
@@ -363,69 +404,12 @@ class Report(unittest.TestCase):
         with_measured_truth(self.comparison)
         self.assertNotIn("Poses at a lag", self.text_of_report(run_files=False))
 
-    def test_the_title_names_what_is_put_together(self):
-        for names, title in ((["circle-1"], "circle"), (["circle-1", "circle-2", "circle-3"], "3 sequences: circle-1 to circle-3"),
-                             (["circle-3", "circle-1"], "2 sequences: circle-3, circle-1"), (["kitti", "kitti"], "2 sequences: kitti"),
-                             (["a-1", "a-2", "a-4", "a-5"], "4 sequences: a-1, a-2, a-4 and 1 more")):
-            pooled(self.comparison)
-            self.comparison["sequence"].update(count=len(names), names=names)
-            self.assertIn(f"Estimators judged: {title} 4 runs", self.text_of_report(run_files=False))
-
-    def test_few_runs_decide_nothing(self):
-        pooled(self.comparison)
-        self.comparison["estimators"] = [estimator("ekf", 0.12, 16.2, runs=3), estimator("mine", 0.2, 9.0, runs=3)]
-        for e in self.comparison["estimators"]:
-            for estimate in (*e["values"].values(), e["anees"]["pose"]):
-                estimate.update(lower=None, upper=None)
-        self.comparison["pairs"][0]["difference"].update(runs=3, lower=None, upper=None)
-        text = self.text_of_report()
-        self.assertIn("95% interval over runs (fewer than five runs have no interval): ekf 0.12 m; mine 0.2 m.", text)
-        self.assertIn("ekf: ANEES of the pose 16.2 (6 expected); fewer than five runs decide nothing.", text)
-        self.assertIn("No difference is tested: fewer than five runs.", text)
-        self.assertNotIn("More accurate", text)
-
-    def test_a_run_that_failed_is_named(self):
-        self.comparison["runs"][0]["metrics"].update(failed=True, failed_at=77)
-        text = self.text_of_report()
-        self.assertIn("ekf · dynamic_inverse_depth failed at frame 77: its error exceeds a tenth of the path so far, and a metre or a tenth of the whole path, whichever is less.", text)
-
-    def test_a_warning_is_on_the_page(self):
-        self.comparison["runs"][0]["metrics"]["warnings"] = [{"frame": 12, "reason": "it is lost"}]
-        self.assertIn("Warned ekf · dynamic_inverse_depth, from frame 12: it is lost.", self.text_of_report())
-        pooled(self.comparison)
-        self.comparison["estimators"][0]["warned"] = 1
-        self.assertIn("Warned ekf: 1 of 12 runs warn. ekf-0, from frame 12: it is lost.", self.text_of_report(run_files=False))
-
-    def test_what_is_in_force_is_told_of_each_run_that_states_it(self):
-        on = {"name": "scale kept", "key": "gauge", "state": "on", "because": "", "acted": 17}
-        stated = [[on], [{**on, "state": "off", "because": "ekf.iterations=3", "acted": 0}], []]
-        for run, mechanisms in zip(self.comparison["runs"], stated):  # the last run was made elsewhere
-            run["metrics"]["in_force"] = mechanisms
-        text = self.text_of_report()
-        for said in ("In force", "scale kept", "on, 17", "ekf.iterations=3", "states nothing"):
-            self.assertIn(said, text)
-        for run in self.comparison["runs"]:
-            run["metrics"].pop("in_force", None)
-        self.assertNotIn("In force", self.text_of_report(run_files=False))
-
     def test_what_is_in_force_in_some_runs_of_a_cell_is_counted(self):
         mechanism = {"name": "scale kept", "key": "gauge", "on": 3, "runs": 10, "because": "", "acted": 40}
         off = {**mechanism, "on": 0, "because": "ekf.iterations=3"}
         group = {"cells": [{"in_force": [mechanism]}, {"in_force": [off]}, {"in_force": []}, {}]}
         self.assertEqual(study_tables.in_force(group), [("scale kept", "gauge", [
             ("on in 3 of 10, 40", ""), ("off", "ekf.iterations=3"), ("states nothing", ""), ("–", "")])])
-
-    def test_filter_or_smoother_is_asked_of_both(self):
-        self.assertIn("Filter or smoother? circle", self.text_of_report())
-        self.comparison["runs"] = self.comparison["runs"][:1]
-        self.assertIn("Estimator judged: circle", self.text_of_report(run_files=False))
-
-    def test_runs_over_other_frames_are_not_ranked(self):
-        for run, coverage in zip(self.comparison["runs"], (1.0, 0.95, 0.5, 1.0)):
-            run["metrics"]["filtered"]["accuracy"]["coverage"] = coverage
-        text = self.text_of_report()
-        self.assertIn("Not compared, as the frames that have poses differ.", text)
-        self.assertNotIn("most accurate", text)
 
     def test_settings_of_one_estimator_are_told_apart(self):
         ekf, window, more = self.comparison["runs"][:3]
@@ -441,18 +425,6 @@ class Report(unittest.TestCase):
                       self.text_of_report(run_files=False))
         self.comparison["runs"] = [ekf, more]
         self.assertNotIn("With scaled_velocity", self.text_of_report(run_files=False))
-
-    def test_equal_runs_are_not_ranked(self):
-        for run in self.comparison["runs"][:2]:
-            run["metrics"]["filtered"]["accuracy"]["position_rmse_m"] = 0.05
-        self.assertRegex(self.text_of_report(), r"Accuracy [^.]* are equally accurate, within 3%: position RMSE of \S+ · \S+ 0\.05 m")
-
-    def test_a_run_made_elsewhere_is_judged_though_nobody_counted_its_measurements(self):
-        run = self.comparison["runs"][0]
-        run.update(kind="foreign", landmark="-", label="mine", estimator="mine", configuration={})
-        run["metrics"]["coverage"].update(accepted=0, landmarks_admitted=0)
-        self.comparison["runs"] = [run]
-        self.assertIn("mine has a position RMSE of", self.text_of_report())
 
     def test_labels_are_counted_where_no_truth_is_known(self):
         without_truth(self.comparison)
@@ -477,38 +449,14 @@ class Report(unittest.TestCase):
     def test_a_diverged_run_is_named_and_does_not_set_the_scale(self):
         diverged(self.comparison["runs"][0])
         text = self.text_of_report()
-        self.assertIn("ekf · dynamic_inverse_depth diverged at frame 120 (covariance <not> positive)",
-                      text)
-        charts = self.charts()
+        self.assertIn("ekf · dynamic_inverse_depth diverged at frame 120 (covariance <not> positive)", text)
         errors = self.comparison["runs"][1]["series"]["position_error_m"]
-        top = charts["position_error"]["layout"]["yaxis"]["range"][1]
+        top = self.charts()["position_error"]["layout"]["yaxis"]["range"][1]
         self.assertLess(top, 3 * max(errors))
         self.assert_drawn(["trajectory", "position_error", "nees", "runtime"])
 
-    def test_all_diverged(self):
-        for run in self.comparison["runs"]:
-            diverged(run)
-        self.assertIn("diverged at frame 120", self.text_of_report())
-
-    def test_one_run(self):
-        del self.comparison["runs"][1:]
-        text = self.text_of_report()
-        self.assertIn("1 estimator on 600 frames.", text)
-        self.assertIn("ekf · dynamic_inverse_depth has a position RMSE of", text)
-
-    def test_a_run_that_ended_before_its_first_frame(self):
-        run = self.comparison["runs"][0]
-        diverged(run)
-        run["metrics"].update(filtered={"accuracy": None, "nees": None}, nis={"mean": None},
-                              runtime={"stages": [], "frame_median_ms": None})
-        run["series"] = {name: [] if isinstance(values, list) else values
-                         for name, values in run["series"].items()}
-        self.text_of_report()
-
     def test_pictures_are_carried_in_the_page(self):
-        label = self.comparison["runs"][0]["label"]
-        self.assertNotIn("Frame by frame", self.text_of_report())
-        slider = self.output / label / "pictures" / "slider"
+        slider = self.output / self.comparison["runs"][0]["label"] / "pictures" / "slider"
         slider.mkdir(parents=True)
         for frame in (0, 12):
             (slider / f"{frame:06}.jpg").write_bytes(b"picture %d" % frame)
@@ -524,35 +472,24 @@ class Report(unittest.TestCase):
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
         self.assertEqual(first, (self.output / "report.html").read_bytes())
 
-    def test_bad_input_is_refused_in_one_line(self):
-        for content in (None, "{", "[]", '{"format": "other"}', '{"format": "slammot-compare-1"}'):
-            with self.subTest(content=content):
-                path = self.output / "compare.json"
-                path.unlink(missing_ok=True)
-                if content is not None:
-                    path.write_text(content)
-                code, said = generate(self.output)
-                self.assertEqual(code, 2)
-                self.assertRegex(said, r"\Acompare_report: .*compare\.json: .*\n\Z")
-
-    def assert_not_as_written(self, code, said):
+    def assert_refused(self, content):
+        """In one line, printable."""
+        if content is not None:
+            (self.output / "compare.json").write_text(content)
+        code, said = generate(self.output)
         self.assertEqual(code, 2)
         self.assertRegex(said, r"\Acompare_report: [ -~]*compare\.json: [ -~]*\n\Z")
 
-    def test_a_shape_that_no_comparison_has_is_refused_in_one_line(self):
-        path = self.output / "compare.json"
-        for change in ({"runs": 5}, {"sequence": []}, {"metrics": "x"}, {"truth": [1]}, {"runs": [{"label": "a\n\x1b[31m"}]}):
-            with self.subTest(change=change):
-                path.write_text(json.dumps(self.comparison | change))
-                self.assert_not_as_written(*generate(self.output))
-        path.write_text("[" * 100000)
-        self.assert_not_as_written(*generate(self.output))
-        path.write_text('{"format": "slammot-compare-1", "a\n\x1b[31m')
-        self.assert_not_as_written(*generate(self.output))
+    def test_what_no_comparison_is_is_refused(self):
+        shapes = ({"runs": 5}, {"sequence": []}, {"metrics": "x"}, {"truth": [1]}, {"runs": [{"label": "a\n\x1b[31m"}]})
+        for content in (None, "{", "[]", '{"format": "other"}', '{"format": "slammot-compare-1"}', '{"format": "slammot-compare-1", "a\n\x1b[31m',
+                        "[" * 100000, *(json.dumps(self.comparison | shape) for shape in shapes)):
+            with self.subTest(content=str(content)[:40]):
+                self.assert_refused(content)
 
     def test_a_pipe_is_no_comparison_and_no_page(self):
         os.mkfifo(self.output / "compare.json")
-        self.assert_not_as_written(*generate(self.output))
+        self.assert_refused(None)
         os.mkfifo(self.output / "report.html")
         code, said = generate(self.output)
         self.assertEqual(code, 2)
@@ -571,18 +508,5 @@ class Report(unittest.TestCase):
         self.assertEqual([(path.name, path.read_text()) for path in self.output.iterdir()], [("anees.png", "before")])
 
 
-def keep(folder):
-    comparison = made_comparison()
-    folder.mkdir(parents=True, exist_ok=True)
-    for run in comparison["runs"]:
-        write_run_files(folder / run["folder"], run, comparison)
-    (folder / "compare.json").write_text(json.dumps(comparison))
-    print(generate(folder)[1], end="")
-    chromium(folder / "report.html", "--window-size=1180,4000", f"--screenshot={folder}/report.png")
-
-
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--keep"]:
-        keep(pathlib.Path(sys.argv[2]).resolve())
-    else:
-        unittest.main()
+    unittest.main()

@@ -6,6 +6,7 @@
 
 #include "eval/metrics/metrics.h"
 #include "eval/output/metrics_json.h"
+#include "eval/run/process.h"
 #include "eval/run/run.h"
 #include "eval/run/stage_clock.h"
 #include "tests/eval/fixture.h"
@@ -16,16 +17,28 @@ namespace {
 using test::FakeEstimator;
 using test::landmark;
 
+// The run over a straight line of a camera that is where it is, but for what `change` does.
+RunResult driven(
+    const Sequence& sequence,
+    const std::function<void(int, test::Belief&)>& change = [](int, auto&) {},
+    const DriveOptions& options = {}) {
+  FakeEstimator estimator([&](const Frame& f) {
+    test::Belief belief = test::true_belief(sequence, f);
+    change(f.index, belief);
+    return belief;
+  });
+  return drive(sequence, estimator, options);
+}
+
 TEST(Drive, CollectsFramesAndTimes) {
-  const Sequence sequence = test::straight_line(4);
-  FakeEstimator estimator([&](const Frame& f) { return test::true_belief(sequence, f); });
   int calls = 0;
   DriveOptions options;
   options.progress = [&](int done, int total) {
     EXPECT_EQ(done, ++calls);
     EXPECT_EQ(total, 4);
   };
-  const RunResult run = drive(sequence, estimator, options);
+  const RunResult run = driven(
+      test::straight_line(4), [](int, auto&) {}, options);
   EXPECT_EQ(calls, 4);
   EXPECT_EQ(run.frames, (std::vector{0, 1, 2, 3}));
   ASSERT_EQ(run.timing.size(), 12u);  // predict, update and total of each frame
@@ -57,8 +70,7 @@ TEST(StageClock, TheWholeIsWithoutIt) {
 // The last ones have no pose at the longest lag: with them a growing error would fall with the lag.
 TEST(Metrics, OfEveryLagAreOverTheSameFrames) {
   const Sequence sequence = test::straight_line(50);
-  FakeEstimator estimator([&](const Frame& f) { return test::true_belief(sequence, f); });
-  RunResult run = drive(sequence, estimator);
+  RunResult run = driven(sequence);
   EXPECT_TRUE(compute_metrics(sequence, run, 0.95).lagged.empty());
   for (const int lag : {1, 4}) run.lagged[lag] = {run.filtered.begin(), run.filtered.end() - lag};
   const auto metrics = compute_metrics(sequence, run, 0.95).lagged;
@@ -72,12 +84,8 @@ TEST(Metrics, OfEveryLagAreOverTheSameFrames) {
 // Half the error, with the covariance as it was.
 TEST(Metrics, RatiosOfALagAreOverTheSameRunAsFiltered) {
   const Sequence sequence = test::straight_line(50);
-  FakeEstimator estimator([&](const Frame& f) {
-    test::Belief belief = test::true_belief(sequence, f);
-    belief.camera.state.position.y() = 0.5;
-    return belief;
-  });
-  RunResult run = drive(sequence, estimator);
+  RunResult run =
+      driven(sequence, [](int, auto& belief) { belief.camera.state.position.y() = 0.5; });
   const auto value = [&](const char* key) {
     return value_of(compute_metrics(sequence, run, 0.95).values, key);
   };
@@ -91,11 +99,9 @@ TEST(Metrics, RatiosOfALagAreOverTheSameRunAsFiltered) {
 
 TEST(Drive, ADivergedRunKeepsWhatWasFinished) {
   const Sequence sequence = test::straight_line(5);
-  FakeEstimator says_so([&](const Frame& f) {
-    if (f.index == 3) throw Diverged("covariance is not positive");
-    return test::true_belief(sequence, f);
+  const RunResult run = driven(sequence, [](int frame, auto&) {
+    if (frame == 3) throw Diverged("covariance is not positive");
   });
-  const RunResult run = drive(sequence, says_so);
   ASSERT_TRUE(run.diverged);
   EXPECT_EQ(run.diverged->frame, 3);
   EXPECT_EQ(run.diverged->reason, "covariance is not positive");
@@ -104,53 +110,35 @@ TEST(Drive, ADivergedRunKeepsWhatWasFinished) {
   EXPECT_EQ(metrics_json(compute_metrics(sequence, run, 0.95))["diverged"], true);
 }
 
+// A camera that is merely lost is none of it.
 TEST(Drive, WhatCannotBeIsDivergence) {
   const Sequence sequence = test::straight_line(5);
   using Spoil = void (*)(CameraEstimate&);
   for (const Spoil spoil : {Spoil([](CameraEstimate& c) { c.covariance(3, 4) = kUndefined; }),
                             Spoil([](CameraEstimate& c) { c.state.velocity.x() = kUndefined; }),
                             Spoil([](CameraEstimate& c) { c.state.position.x() = 1e150; })}) {
-    FakeEstimator estimator([&](const Frame& f) {
-      test::Belief belief = test::true_belief(sequence, f);
-      if (f.index == 2) spoil(belief.camera);
-      return belief;
+    const RunResult run = driven(sequence, [=](int frame, auto& belief) {
+      if (frame == 2) spoil(belief.camera);
     });
-    const RunResult run = drive(sequence, estimator);
     ASSERT_TRUE(run.diverged);
     EXPECT_EQ(run.diverged->frame, 2);
     EXPECT_EQ(run.filtered.size(), 2u);
   }
-}
-
-TEST(Drive, ACameraThatIsLostHasNotDiverged) {
-  const Sequence sequence = test::straight_line(5);
-  FakeEstimator estimator([&](const Frame& f) {
-    test::Belief belief = test::true_belief(sequence, f);
-    belief.camera.state.position.x() = 1e6;
-    return belief;
-  });
-  EXPECT_FALSE(drive(sequence, estimator).diverged);
+  const auto lost = [](int, auto& belief) { belief.camera.state.position.x() = 1e6; };
+  EXPECT_FALSE(driven(sequence, lost).diverged);
 }
 
 // A landmark that leaves keeps its latest belief; one that comes back anew replaces it.
 TEST(Drive, LandmarksAreRememberedAfterTheyLeave) {
-  const Sequence sequence = test::straight_line(6);
-  FakeEstimator estimator([&](const Frame& f) {
-    test::Belief belief = test::true_belief(sequence, f);
-    if (f.index <= 2) {
-      belief.landmarks.push_back(landmark(0, f.index < 1 ? Label::kUnknown : Label::kStatic, 0,
-                                          f.index, f.index < 1 ? std::nullopt : std::optional(1),
-                                          f.index + 1));
-      belief.landmarks.push_back(landmark(1, Label::kStatic, 0, f.index, 0, f.index + 1));
+  const RunResult run = driven(test::straight_line(6), [](int i, auto& belief) {
+    if (i <= 2) {
+      belief.landmarks = {i < 1 ? landmark(0, Label::kUnknown, 0, i, std::nullopt, i + 1)
+                                : landmark(0, Label::kStatic, 0, i, 1, i + 1),
+                          landmark(1, Label::kStatic, 0, i, 0, i + 1)};
     }
-    if (f.index == 3) belief.report.retired = {landmark(1, Label::kMoving, 0, 2, 3, 3)};
-    if (f.index >= 4) {
-      belief.landmarks.push_back(
-          landmark(0, Label::kUnknown, 4, f.index, std::nullopt, f.index - 3));
-    }
-    return belief;
+    if (i == 3) belief.report.retired = {landmark(1, Label::kMoving, 0, 2, 3, 3)};
+    if (i >= 4) belief.landmarks = {landmark(0, Label::kUnknown, 4, i, std::nullopt, i - 3)};
   });
-  const RunResult run = drive(sequence, estimator);
   ASSERT_EQ(run.landmarks.size(), 2u);
   EXPECT_EQ(run.landmarks[0].frame, 5);
   EXPECT_EQ(run.landmarks[0].estimate.first_frame, 4);
@@ -165,14 +153,10 @@ TEST(Drive, LandmarksAreRememberedAfterTheyLeave) {
 
 TEST(Drive, ObservationsAreCountedUntilTheDecision) {
   const Sequence sequence = test::straight_line(6);
-  FakeEstimator estimator([&](const Frame& f) {
-    test::Belief belief = test::true_belief(sequence, f);
-    const bool decided = f.index >= 2;
-    belief.landmarks = {landmark(1, decided ? Label::kMoving : Label::kUnknown, 0, f.index,
-                                 decided ? std::optional(2) : std::nullopt, f.index + 1)};
-    return belief;
+  const RunResult run = driven(sequence, [](int i, auto& belief) {
+    belief.landmarks = {i < 2 ? landmark(1, Label::kUnknown, 0, i, std::nullopt, i + 1)
+                              : landmark(1, Label::kMoving, 0, i, 2, i + 1)};
   });
-  const RunResult run = drive(sequence, estimator);
   ASSERT_EQ(run.classification.size(), 1u);
   EXPECT_EQ(run.classification[0].observations, 3);
   EXPECT_EQ(compute_metrics(sequence, run, 0.95).classification.median_frames_to_decision, 3.0);
@@ -181,25 +165,32 @@ TEST(Drive, ObservationsAreCountedUntilTheDecision) {
 TEST(Drive, LandmarksByRuleAreNotClassified) {
   Sequence sequence = test::straight_line(2);
   sequence.known.push_back({1, Eigen::Vector3d(0, 0, 5), 1e-3});
-  FakeEstimator estimator([&](const Frame& f) {
-    test::Belief belief = test::true_belief(sequence, f);
-    belief.landmarks = {landmark(0, Label::kStatic, 0, f.index, std::nullopt, 1),
-                        landmark(1, Label::kStatic, 0, f.index, std::nullopt, 1)};
+  const RunResult run = driven(sequence, [](int i, auto& belief) {
+    belief.landmarks = {landmark(0, Label::kStatic, 0, i, std::nullopt, 1),
+                        landmark(1, Label::kStatic, 0, i, std::nullopt, 1)};
     belief.landmarks[0].by_rule = true;
-    return belief;
   });
-  EXPECT_TRUE(drive(sequence, estimator).classification.empty());
+  EXPECT_TRUE(run.classification.empty());
+}
+
+// A processor with AVX-512 that OpenBLAS takes for a Haswell one; what the user states decides.
+TEST(Process, BetterKernelsWhereOpenBlasDoesNotKnowTheProcessor) {
+  EXPECT_EQ(better_kernels(true, "Haswell", false), "SkylakeX");
+  EXPECT_EQ(better_kernels(true, "Haswell", true), std::nullopt);
+  EXPECT_EQ(better_kernels(true, "SkylakeX", false), std::nullopt);  // as after the new start
+  EXPECT_EQ(better_kernels(false, "Haswell", false), std::nullopt);
+  EXPECT_EQ(better_kernels(false, "Zen", false), std::nullopt);
 }
 
 TEST(ClassificationTable, CountsAndRatios) {
-  const auto record = [](Label truth, Label label) {
-    return ClassificationRecord{0, truth, label, std::nullopt, 1};
-  };
-  std::vector<ClassificationRecord> records = {
-      record(Label::kStatic, Label::kStatic), record(Label::kStatic, Label::kStatic),
-      record(Label::kStatic, Label::kMoving), record(Label::kStatic, Label::kUnknown),
-      record(Label::kMoving, Label::kMoving), record(Label::kMoving, Label::kStatic)};
-  records.push_back({7, std::nullopt, Label::kMoving, 3, 2});
+  using enum Label;
+  std::vector<ClassificationRecord> records;
+  for (const auto& [truth, label] :
+       {std::pair{kStatic, kStatic}, std::pair{kStatic, kStatic}, std::pair{kStatic, kMoving},
+        std::pair{kStatic, kUnknown}, std::pair{kMoving, kMoving}, std::pair{kMoving, kStatic}}) {
+    records.push_back({0, truth, label, std::nullopt, 1});
+  }
+  records.push_back({7, std::nullopt, kMoving, 3, 2});
   const ClassificationMetrics m = classification_metrics(records);
   EXPECT_EQ(m.statics.right, 2);
   EXPECT_EQ(m.statics.wrong, 1);
@@ -213,15 +204,12 @@ TEST(ClassificationTable, CountsAndRatios) {
 
 TEST(Metrics, NeesNeedsExactTruthAndJsonHasNoNan) {
   Sequence sequence = test::straight_line(4);
-  FakeEstimator estimator([&](const Frame& f) {
-    test::Belief belief = test::true_belief(sequence, f);
-    belief.landmarks = {landmark(0, Label::kStatic, 1, f.index, 1, 1),
-                        landmark(1, Label::kMoving, 1, f.index, 1, 1)};
-    belief.landmarks[1].position = Eigen::Vector3d(0, 0, 5.5 + f.index);
+  const RunResult run = driven(sequence, [](int i, auto& belief) {
+    belief.landmarks = {landmark(0, Label::kStatic, 1, i, 1, 1),
+                        landmark(1, Label::kMoving, 1, i, 1, 1)};
+    belief.landmarks[1].position = Eigen::Vector3d(0, 0, 5.5 + i);
     belief.landmarks[1].position_covariance.setIdentity();
-    return belief;
   });
-  const RunResult run = drive(sequence, estimator);
   const RunMetrics exact = compute_metrics(sequence, run, 0.95);
   ASSERT_TRUE(exact.filtered.consistency.value);
   EXPECT_EQ(exact.filtered.consistency.value->pose.used, 3);
@@ -240,14 +228,12 @@ TEST(Metrics, NeesNeedsExactTruthAndJsonHasNoNan) {
 
 TEST(Metrics, NisOfTheAccepted) {
   const Sequence sequence = test::straight_line(2);
-  FakeEstimator estimator([&](const Frame& f) {
-    test::Belief belief = test::true_belief(sequence, f);
+  const RunResult run = driven(sequence, [](int, auto& belief) {
     belief.report.accepted = 10;
     belief.report.rejected = 2;
     belief.report.nis_sum = 17.0;
-    return belief;
   });
-  const RunMetrics metrics = compute_metrics(sequence, drive(sequence, estimator), 0.95);
+  const RunMetrics metrics = compute_metrics(sequence, run, 0.95);
   EXPECT_DOUBLE_EQ(metrics.nis.mean, 1.7);
   EXPECT_NEAR(metrics.nis.expected, 1.685, 5e-4);
   EXPECT_EQ(metrics.measurements.offered, 24);

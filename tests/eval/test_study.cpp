@@ -47,17 +47,29 @@ TEST(Study, EachThatShipsCanBeRead) {
   EXPECT_GT(count, 10);
 }
 
-TEST(Study, SaysWithinARunHowFarItIs) {
-  const test::TemporaryFolder folder;
-  test::write_text(folder.path() / "s.yaml", R"(format: slammot-study-1
+// In a folder of its own.
+class StudyFile : public testing::Test {
+ protected:
+  Study read(const std::string& scenarios, int runs) const {
+    test::write_text(path() / "s.yaml", fmt::format(R"(format: slammot-study-1
 name: s
-runs: 3
-scenarios: [{scenario: circle, set: {frames: 8}}]
-estimators: [{estimator: ekf}]
-)");
-  const Study study = read_study(folder.path() / "s.yaml");
+runs: {}
+scenarios:
+  - {}
+estimators: [{{estimator: ekf}}]
+)",
+                                                    runs, scenarios));
+    return read_study(path() / "s.yaml");
+  }
+  std::filesystem::path path() const { return folder_.path(); }
+
+  const test::TemporaryFolder folder_;
+};
+
+TEST_F(StudyFile, SaysWithinARunHowFarItIs) {
+  const Study study = read("{scenario: circle, set: {frames: 8}}", 3);
   StudyOptions options;
-  options.output = folder.path() / "out";
+  options.output = path() / "out";
   options.jobs = 2;
   int calls = 0, within = 0, runs_done = 0;
   double done = 0.0;
@@ -78,38 +90,24 @@ estimators: [{estimator: ekf}]
   EXPECT_NEAR(done, 3.0, 1e-9);
 }
 
-TEST(Study, RefusesAScenarioAtItsLine) {
-  const test::TemporaryFolder folder;
+TEST_F(StudyFile, IsRefusedAtTheLineOfAScenario) {
   for (const auto* scene : {"cirle", "circle, set: {movng: 3}", "circle, set: {moving: -3}"}) {
-    test::write_text(folder.path() / "s.yaml", fmt::format(R"(format: slammot-study-1
-name: s
-runs: 1
-scenarios:
-  - {{scenario: circle, label: good}}
-  - {{scenario: {}}}
-estimators: [{{estimator: ekf}}]
-)",
-                                                           scene));
-    EXPECT_THAT([&] { read_study(folder.path() / "s.yaml"); },
-                testing::ThrowsMessage<InputError>(testing::HasSubstr("s.yaml:6: ")))
+    EXPECT_THAT(
+        [&] {
+          read(fmt::format("{{scenario: circle, label: good}}\n  - {{scenario: {}}}", scene), 1);
+        },
+        testing::ThrowsMessage<InputError>(testing::HasSubstr("s.yaml:6: ")))
         << scene;
   }
 }
 
-TEST(Study, ARecordingThatChangesMeanwhileIsNotMixed) {
-  const test::TemporaryFolder folder;
-  write_native(simulate("circle", {{"frames", "8"}}, 1), folder.path() / "recorded");
-  test::write_text(folder.path() / "s.yaml", R"(format: slammot-study-1
-name: s
-runs: 1
-scenarios: [{sequence: recorded}]
-estimators: [{estimator: ekf}]
-)");
-  const Study study = read_study(folder.path() / "s.yaml");
+TEST_F(StudyFile, ARecordingThatChangesMeanwhileIsNotMixed) {
+  write_native(simulate("circle", {{"frames", "8"}}, 1), path() / "recorded");
+  const Study study = read("{sequence: recorded}", 1);
   EXPECT_TRUE(run_study_cell(study, 0, 0, {}).result.at("diverged").is_null());
-  test::write_text(folder.path() / "recorded" / "known.csv", "track,x,y,z,sigma\n");
+  test::write_text(path() / "recorded" / "known.csv", "track,x,y,z,sigma\n");
   EXPECT_THROW(run_study_cell(study, 0, 0, {}), InputError);
-  std::filesystem::remove_all(folder.path() / "recorded");
+  std::filesystem::remove_all(path() / "recorded");
   EXPECT_THROW(run_study_cell(study, 0, 0, {}), InputError);
 }
 

@@ -2,31 +2,25 @@
 
 usage: test_extension.py MY_SLAMMOT
 """
+import functools
 import json
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-PROGRAM = sys.argv.pop(1)
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "eval"))
+import fixture  # noqa: E402
+from fixture import ROOT  # noqa: E402
+
 # What the example takes from the installation must not come from the source tree.
-ENVIRONMENT = {key: value for key, value in os.environ.items() if not key.startswith("SLAMMOT")}
-
-
-def program(*words, code=0):
-    done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, check=False, env=ENVIRONMENT)
-    assert done.returncode == code, f"exit {done.returncode}\n{done.stdout}{done.stderr}"
-    return done
+program = functools.partial(fixture.program, env={key: value for key, value in os.environ.items() if not key.startswith("SLAMMOT")})
 
 
 class Extension(unittest.TestCase):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     def test_lists_keys_and_help(self):
         for table, name in (("landmarks", "decaying_velocity"), ("classifiers", "speed"), ("metrics", "path_ratio"),
@@ -37,6 +31,9 @@ class Extension(unittest.TestCase):
         self.assertRegex(usage, r"(?m)^  classifier .*speed")
         self.assertRegex(usage, r"(?m)^  classifier.speed .*\(0.3\)")
         self.assertIn("between the walls", program("simulate", "--help").stdout)
+        for wrong, name in ((["simulate", "corridor", "--set", "widht=3", "--output", self.folder / "never"], "widht"),
+                            (["compare", "--set", "classifier.speed=much", "--output", self.folder / "never"], "classifier.speed")):
+            self.assertIn(name, program(*wrong, code=2).stderr)
 
     def test_compare(self):
         out = self.folder / "compare"
@@ -49,10 +46,18 @@ class Extension(unittest.TestCase):
         for run in content["runs"]:
             self.assertEqual(run["configuration"]["classifier.speed"], "0.4")
             self.assertAlmostEqual(run["metrics"]["filtered"]["path_ratio"], 1.0, delta=0.5)
+            written = json.loads((out / run["folder"] / "metrics.json").read_text(encoding="utf-8"))
+            for trajectory in ("filtered", "smoothed"):
+                self.assertEqual((written[trajectory] or {}).get("path_ratio"), (run["metrics"][trajectory] or {}).get("path_ratio"))
         self.assertEqual(content["runs"][0]["landmark"], "decaying_velocity")
         page = (out / "report.html").read_text(encoding="utf-8")
-        for text in ("path ratio", "dead_reckoning", "decaying_velocity"):
+        for text in ('title="estimated over true length of the path">path ratio', "dead_reckoning", "decaying_velocity"):
             self.assertIn(text, page)
+
+    def test_its_scenario_repeats(self):
+        for name in ("once", "again"):
+            program("simulate", "corridor", "--set", "frames=5", "--seed", 5, "--output", self.folder / name)
+        self.assertEqual(*((self.folder / name / "observations.csv").read_bytes() for name in ("once", "again")))
 
     def test_study_with_all_of_it(self):
         out = self.folder / "study"
@@ -63,9 +68,13 @@ class Extension(unittest.TestCase):
         self.assertIn("classifier.speed", rows[0].split(","))
         cells = json.loads((out / "summary.json").read_text(encoding="utf-8"))["groups"][0]["cells"]
         self.assertEqual(cells[0]["kind"], "filter")
-        self.assertIn("value", cells[2]["filtered_path_ratio"])
-        self.assertIn("path ratio", (out / "tables" / "metrics.csv").read_text(encoding="utf-8"))
+        self.assertEqual(cells[3]["smoothed_path_ratio"]["runs"], 2)
+        head = (out / "tables" / "metrics.csv").read_text(encoding="utf-8").splitlines()[0]
+        self.assertIn(",path ratio", head)
+        self.assertIn(",smoothed: path ratio", head)
         results = [json.loads(line) for line in (out / "results.jsonl").read_text(encoding="utf-8").splitlines()]
+        of_runs = [result["filtered"]["path_ratio"] for result in results[:2]]
+        self.assertAlmostEqual(cells[0]["filtered_path_ratio"]["value"], sum(of_runs) / 2, places=12)
         self.assertTrue(all(result["diverged"] is None for result in results))
         # The number swept is the classifier's: it changes nothing else. A cell has two runs.
         runs = [[results[2 * (4 * sweep + estimator)]["frames"] for sweep in (0, 1)] for estimator in range(4)]

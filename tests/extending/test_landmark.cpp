@@ -14,7 +14,7 @@ namespace slammot {
 namespace {
 
 using Decaying = DecayingVelocity<InverseDepth>;
-const PointFunctions& point = find_point("inverse_depth");
+const PointFunctions& kPoint = find_point("inverse_depth");
 
 Vector6d random_landmark(std::mt19937_64& engine) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -50,7 +50,7 @@ TEST(ExtendingLandmark, MovesAndNoiseStandsInMetres) {
     const Vector6d halves = Decaying::predict(Decaying::predict(x, 0.05), 0.05);
     EXPECT_LT((halves - Decaying::predict(x, 0.1)).norm(), 1e-12);
     Matrix6d J_metric = Matrix6d::Zero();
-    J_metric.topLeftCorner<3, 3>() = position_jacobian(point, x.head<3>());
+    J_metric.topLeftCorner<3, 3>() = position_jacobian(kPoint, x.head<3>());
     J_metric.bottomRows<3>() = Decaying::velocity_jacobian(x);
     const Matrix6d I = Decaying::noise_jacobian(x) * J_metric;
     EXPECT_LT((I - Matrix6d::Identity()).cwiseAbs().maxCoeff(), 1e-7);

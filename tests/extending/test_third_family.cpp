@@ -39,39 +39,29 @@ Judged judged(const EstimatorRow& row, const Sequence& sequence, Configuration c
   return result;
 }
 
-// Largest difference of the cameras, b displaced by `origin`, in sigmas of a.
-double largest_difference(const RunResult& a, const RunResult& b,
-                          const Eigen::Vector3d& origin = Eigen::Vector3d::Zero()) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.filtered.size(); ++i) {
-    const Vector12d sigma = a.filtered[i].covariance.diagonal().cwiseSqrt();
-    Vector12d d = boxminus(b.filtered[i].state, a.filtered[i].state);
-    d.segment<3>(kPosition) -= origin;
-    largest = std::max(largest, d.cwiseQuotient(sigma).cwiseAbs().maxCoeff());
-  }
-  return largest;
-}
+// The largest differences of b from a: of the cameras, b displaced by `origin`, in sigmas of a; of
+// the sigmas, relative; of the moving landmarks' velocities, in sigmas of a.
+struct Differences {
+  double cameras = 0.0, sigmas = 0.0, velocities = 0.0;
+};
 
-// Of the standard deviations, relative.
-double largest_difference_of_sigmas(const RunResult& a, const RunResult& b) {
-  double largest = 0.0;
+Differences differences(const RunResult& a, const RunResult& b,
+                        const Eigen::Vector3d& origin = Eigen::Vector3d::Zero()) {
+  Differences largest;
+  const auto raise = [](double& value, const auto& d) { value = std::max(value, d.maxCoeff()); };
   for (std::size_t i = 0; i < a.filtered.size(); ++i) {
     const Vector12d sigma = a.filtered[i].covariance.diagonal().cwiseSqrt();
     const Vector12d other = b.filtered[i].covariance.diagonal().cwiseSqrt();
-    largest = std::max(largest, (other.cwiseQuotient(sigma).array() - 1.0).abs().maxCoeff());
+    Vector12d d = boxminus(b.filtered[i].state, a.filtered[i].state);
+    d.segment<3>(kPosition) -= origin;
+    raise(largest.cameras, d.cwiseQuotient(sigma).cwiseAbs());
+    raise(largest.sigmas, (other.cwiseQuotient(sigma).array() - 1.0).abs());
   }
-  return largest;
-}
-
-// Of the moving landmarks' velocities, in sigmas of a.
-double largest_difference_of_velocities(const RunResult& a, const RunResult& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.landmarks.size(); ++i) {
+  for (std::size_t i = 0; i < std::min(a.landmarks.size(), b.landmarks.size()); ++i) {
     const LandmarkEstimate &x = a.landmarks[i].estimate, &y = b.landmarks[i].estimate;
     if (!x.velocity.allFinite()) continue;
     const Eigen::Vector3d sigma = x.velocity_covariance.diagonal().cwiseSqrt();
-    const Eigen::Vector3d d = (y.velocity - x.velocity).cwiseQuotient(sigma);
-    largest = std::max(largest, d.cwiseAbs().maxCoeff());
+    raise(largest.velocities, (y.velocity - x.velocity).cwiseQuotient(sigma).cwiseAbs());
   }
   return largest;
 }
@@ -104,30 +94,25 @@ class ThirdFamilyUndecided : public testing::Test {
 };
 
 // Small first uncertainties make all functions nearly linear within them, and the unscented filter
-// is the EKF up to terms of second order. Fastest to bend are velocities of new landmarks.
+// is the EKF up to terms of second order. Fastest to bend are velocities of new landmarks. A w in
+// metres is predicted through its product with rho, which bends over a wide prior: the cameras then
+// differ by more, and still by less than what either does not know.
 TEST_F(ThirdFamilyUndecided, IsTheEkfWhereTheProblemIsNearlyLinear) {
-  const RunResult ekf = run(find_estimator("ekf")), ukf = run(kUnscented);
-  ASSERT_EQ(ukf.filtered.size(), 40u);
-  ASSERT_EQ(ukf.landmarks.size(), ekf.landmarks.size());
-  EXPECT_EQ(ukf.totals.accepted, ekf.totals.accepted);
-  EXPECT_LT(largest_difference(ekf, ukf), 0.1);
-  EXPECT_LT(largest_difference_of_sigmas(ekf, ukf), 0.01);
-  const double velocities = largest_difference_of_velocities(ekf, ukf);
-  EXPECT_GT(velocities, 0.0);  // some are estimated
-  EXPECT_LT(velocities, 0.5);
-}
-
-// A w in metres is predicted through its product with rho, which bends over a wide prior: the
-// cameras then differ by more, and still by less than what either does not know.
-TEST_F(ThirdFamilyUndecided, TakesEveryLandmarkModel) {
+  const std::string by_default = configuration_.model.landmark;
   for (const LandmarkFunctions& landmark : landmark_table(point_table().front())) {
     SCOPED_TRACE(landmark.name);
     configuration_.model.landmark = landmark.name;
     const RunResult ekf = run(find_estimator("ekf")), ukf = run(kUnscented);
     ASSERT_EQ(ukf.filtered.size(), 40u);
-    EXPECT_EQ(ukf.landmarks.size(), ekf.landmarks.size());
+    ASSERT_EQ(ukf.landmarks.size(), ekf.landmarks.size());
     EXPECT_EQ(ukf.totals.accepted, ekf.totals.accepted);
-    EXPECT_LT(largest_difference(ekf, ukf), 1.0);
+    const Differences d = differences(ekf, ukf);
+    EXPECT_LT(d.cameras, 1.0);
+    if (landmark.name != by_default) continue;
+    EXPECT_LT(d.cameras, 0.1);
+    EXPECT_LT(d.sigmas, 0.01);
+    EXPECT_GT(d.velocities, 0.0);  // some are estimated
+    EXPECT_LT(d.velocities, 0.5);
   }
 }
 
@@ -144,7 +129,7 @@ TEST(ThirdFamily, LabelsAsTheEkfDoes) {
     configuration.model.gauge = Gauge::kNone;
     const RunResult ekf = judged(find_estimator("ekf"), sequence, configuration).run;
     const RunResult ukf = judged(kUnscented, sequence, configuration).run;
-    EXPECT_LT(largest_difference(ekf, ukf), 1.0);
+    EXPECT_LT(differences(ekf, ukf).cameras, 1.0);
     ASSERT_EQ(ukf.landmarks.size(), ekf.landmarks.size());
     int classified = 0;
     for (std::size_t i = 0; i < ekf.landmarks.size(); ++i) {
@@ -163,8 +148,8 @@ TEST(ThirdFamily, LearnsNothingOfTheWorldsOrigin) {
   const RunResult here = judged(kUnscented, sequence, quick()).run;
   const RunResult there = judged(kUnscented, sequence, quick(), origin).run;
   ASSERT_EQ(there.filtered.size(), 20u);
-  EXPECT_LT(largest_difference(here, there, origin), 1e-5);
-  EXPECT_LT(largest_difference_of_sigmas(here, there), 1e-5);
+  EXPECT_LT(differences(here, there, origin).cameras, 1e-5);
+  EXPECT_LT(differences(here, there, origin).sigmas, 1e-5);
 }
 
 // A third of the circle is 21 m long. The EKF's error stays below 1% of that.

@@ -1,16 +1,13 @@
 // Landmarks labelled moving correct nothing but themselves where enough static ones are measured.
-// Who is considered: estimation/test_consider.cpp.
+// Who is considered: estimation/test_consider.cpp. What it does to a run: eval/studies/believable.
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 
 #include "datasets/simulation/scenario.h"
 #include "estimation/modules/consider.h"
 #include "eval/configuration/setup.h"
 #include "filters/ekf.h"
-#include "tests/filters/pose_nees.h"
 
 namespace slammot {
 namespace {
@@ -83,33 +80,6 @@ TEST(Considered, WhateverIsKeptButNotWhereJacobiansNeedNoCare) {
   EXPECT_LT(camera({}, Gauge::kNone), kSame);
   EXPECT_LT(camera({}, Gauge::kHeading), kSame);
   EXPECT_GT(camera({.linearisation = FilterLinearisation::kIdeal}), kDiffers);
-}
-
-// The mean NEES of the pose with true labels, the movers' alone or with the others.
-double mean_nees(std::uint64_t seed, Movers movers) {
-  const Sequence sequence =
-      simulate("circle", {{"frames", "200"}, {"moving", "600"}, {"first_moving", "14"}}, seed);
-  Configuration configuration;
-  configuration.model.classifier.name = "truth";
-  configuration.model.policy.movers = movers;
-  const slammot::Setup setup = make_setup(sequence, configuration);
-  const auto ekf = make_ekf(setup, configuration.model, configuration.ekf);
-  return mean_pose_nees(*ekf, sequence);
-}
-
-// The seeds are the first there are. On others: eval/studies/circle_consistency.yaml.
-TEST(Considered, MakesTheCameraMoreConsistent) {
-  constexpr int kSeeds = 2;
-  double ratio = 1.0;
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    const double alone = mean_nees(seed, Movers::kConsidered);
-    const double with_others = mean_nees(seed, Movers::kJoint);
-    std::printf("seed %d: NEES %.1f, with the others %.1f\n", static_cast<int>(seed), alone,
-                with_others);
-    ratio *= std::pow(alone / with_others, 1.0 / kSeeds);
-  }
-  std::printf("geometric mean of the ratio: %.2f\n", ratio);
-  EXPECT_LT(ratio, 0.9);
 }
 
 }  // namespace

@@ -128,9 +128,10 @@ TEST(ConstrainedMotion, IsAsIfConstrainedOnlyInTheEnd) {
   constrain(free);
   constrained.covariance.add(kY, kW, F);  // y's sensitivity at the end, not that at rest
   expect_same(constrained, free);
-  EXPECT_LT(
-      (constrained.landmarks.at(kTrack).information - free.landmarks.at(kTrack).information).norm(),
-      1e-10);
+  EXPECT_LT((constrained.landmarks.at(kTrack).information_vector -
+             free.landmarks.at(kTrack).information_vector)
+                .norm(),
+            1e-10);
 }
 
 TEST(ConstrainedMotion, ForgottenLeavesTheRestAsItIs) {
@@ -182,24 +183,6 @@ class EkfWithMemory : public testing::Test {
     return ekf;
   }
 
-  // F_yw of the time since birth, of these landmarks; y of the truth.
-  Eigen::MatrixXd moved(const Ekf& ekf) const {
-    const LandmarkFunctions& functions = find_landmark(models_.landmark, models_.point);
-    const int size = ekf.state_size();
-    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
-    for (const int track : kept_) {
-      const FilterLandmark& l = ekf.state().landmarks.at(track);
-      const Eigen::Vector3d offset =
-          sequence_.landmarks.at(track).at(0)->position - sequence_.truth[0]->position;
-      const Eigen::Vector3d y = point_at(functions.point, offset);
-      const auto F = moved_from_rest(functions, y, ekf.state().time);
-      const StateBlock w = l.constrained_block;
-      result.block(l.y_block.offset, w.offset, 3, w.dim) = F;
-      result.block(w.offset, l.y_block.offset, w.dim, 3) = F.transpose();
-    }
-    return result;
-  }
-
   const Sequence sequence_ = simulate("circle", {{"moving", "0"}}, 3);
   const EkfOptions options_{.linearisation = FilterLinearisation::kIdeal};
   const ModelOptions models_ = [] {
@@ -211,19 +194,6 @@ class EkfWithMemory : public testing::Test {
   TrackRecords records_;
   std::vector<int> kept_;
 };
-
-TEST_F(EkfWithMemory, IsAnEkfThatUsesRestInTheEnd) {
-  const Ekf constrained = run(true);
-  Ekf free = run(false);
-  const Eigen::MatrixXd before = free.state().covariance.dense();
-  free.collapse(kept_);
-  const Eigen::MatrixXd P = free.state().covariance.dense();
-  const Eigen::MatrixXd Q = constrained.state().covariance.dense() + moved(constrained);
-  ASSERT_EQ(P.rows(), Q.rows());
-  const Eigen::VectorXd s = P.diagonal().cwiseAbs().cwiseSqrt();
-  EXPECT_LT((P - Q).cwiseQuotient(s * s.transpose()).cwiseAbs().maxCoeff(), 1e-8);
-  EXPECT_GT((P - before).cwiseQuotient(s * s.transpose()).cwiseAbs().maxCoeff(), 0.1);
-}
 
 TEST_F(EkfWithMemory, ReleasedIsAnEkfThatNeverUsedRest) {
   Ekf constrained = run(true), free = run(false);

@@ -1,4 +1,5 @@
-// Five-point odometry: exact without noise, near the truth with it, the same twice, and never lost.
+// Five-point odometry: exact without noise, the same twice, and never lost. Near the truth with
+// noise: test_made_failures.cpp.
 #include "frontend/odometry/five_point.h"
 
 #include <gtest/gtest.h>
@@ -12,9 +13,9 @@
 namespace slammot {
 namespace {
 
-Sequence static_circle(const char* noise, const char* frames = "60") {
+Sequence static_circle(const char* noise) {
   return simulate("circle",
-                  {{"frames", frames},
+                  {{"frames", "60"},
                    {"static", "600"},
                    {"moving", "0"},
                    {"noise", noise},
@@ -80,23 +81,6 @@ TEST(FivePoint, IsExactWithoutNoise) {
   }
 }
 
-TEST(FivePoint, IsNearWithNoise) {
-  const Sequence s = static_circle("0.3", "150");
-  const std::vector<CameraState> cameras = run(s);
-  const double scale = from_key(cameras, 149).norm() / from_key(truth(s), 149).norm();
-  double rotation = 0.0, shape = 0.0;
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    rotation = std::max(rotation, cameras[i].orientation.angularDistance(s.truth[i]->orientation));
-    if (i > kKey) {
-      const Eigen::Vector3d error = from_key(cameras, i) / scale - from_key(truth(s), i);
-      shape = std::max(shape, error.norm());
-    }
-  }
-  EXPECT_GT(rotation, 1e-4);
-  EXPECT_LT(rotation, 0.05);
-  EXPECT_LT(shape, 2.0);  // [m] of a path of 20 m
-}
-
 TEST(FivePoint, IsTheSameTwice) {
   const Sequence s = static_circle("1");
   const std::vector<CameraState> once = run(s);
@@ -117,7 +101,7 @@ TEST(FivePoint, SurvivesWhatItCannotUse) {
     if (i >= 20 && i < 23) gap.frames[i].observations.clear();
     for (Observation& z : new_tracks.frames[i].observations) z.track = ++track;
   }
-  for (const Sequence* s : {&nothing, &still, &new_tracks, &gap}) run(*s);
+  for (const Sequence* s : {&nothing, &new_tracks, &gap}) run(*s);
   EXPECT_LT(run(still).back().orientation.angularDistance(still.truth[0]->orientation), 1e-6);
 }
 

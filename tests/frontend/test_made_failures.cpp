@@ -1,5 +1,5 @@
 // Runs that are made to fail, each in its own way: each says so, and the same run unspoilt is
-// silent.
+// silent. All reasons, by their numbers: eval/self_check/test_self_check.cpp.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,12 +28,10 @@ std::vector<RunWarning> warnings_of(const Sequence& sequence, const std::string&
 
 auto says(const char* text) { return Contains(Field(&RunWarning::reason, HasSubstr(text))); }
 
+// On other seeds: eval/studies/hostile.yaml.
 TEST(MadeFailures, AGoodRunSaysNothing) {
-  for (const std::uint64_t seed : {11u, 12u, 13u}) {
-    const Sequence sequence = simulate("circle", {{"frames", "60"}}, seed);
-    for (const char* estimator : {"ekf", "window"}) {
-      EXPECT_THAT(warnings_of(sequence, estimator), IsEmpty()) << estimator << ", seed " << seed;
-    }
+  for (const char* estimator : {"ekf", "window"}) {
+    EXPECT_THAT(warnings_of(scene(), estimator), IsEmpty()) << estimator;
   }
 }
 
@@ -51,43 +49,18 @@ TEST(MadeFailures, NoiseStatedTenTimesTooSmall) {
 TEST(MadeFailures, NoiseStatedSixTimesTooLarge) {
   Sequence sequence = scene();
   sequence.pixel_sigma *= 6.0;
-  for (const char* estimator : {"ekf", "window"}) {
-    EXPECT_THAT(warnings_of(sequence, estimator), says("three times too large")) << estimator;
-  }
+  EXPECT_THAT(warnings_of(sequence, "ekf"), says("three times too large"));
 }
 
-TEST(MadeFailures, LabelsCollapsed) {
-  Sequence sequence = scene();
-  for (auto& [track, landmark] : sequence.landmarks) landmark.label = Label::kMoving;
-  const std::vector<RunWarning> warnings = warnings_of(sequence, "true_labels");
-  EXPECT_THAT(warnings, says("fewer than 5 static landmarks"));
-  EXPECT_THAT(warnings, says("labels have collapsed"));
-}
-
-// By the classifier itself: prior odds of a million to one call all that is undecided moving. Those
-// of a hundred to one leave more static landmarks than a third, but few in view.
+// By the classifier itself: prior odds of a million to one call all that is undecided moving.
 TEST(MadeFailures, LabelsCollapsedByTheClassifier) {
   Configuration configuration;
   assign(configuration, {"labels.first_frame", "unknown"});
   EXPECT_THAT(warnings_of(scene(), "ekf", configuration), IsEmpty());
-  assign(configuration, {"classifier.prior_odds", "0.01"});
-  const std::vector<RunWarning> some = warnings_of(scene(), "ekf", configuration);
-  EXPECT_THAT(some, says("static landmarks in view in"));
-  EXPECT_THAT(some, testing::Not(says("labels have collapsed")));
   assign(configuration, {"classifier.prior_odds", "0.000001"});
   const std::vector<RunWarning> warnings = warnings_of(scene(), "ekf", configuration);
   EXPECT_THAT(warnings, says("static landmarks in view in"));
   EXPECT_THAT(warnings, says("labels have collapsed"));
-}
-
-TEST(MadeFailures, NothingStaticInView) {
-  Sequence sequence = scene();
-  for (std::size_t i = 15; i < sequence.frames.size(); ++i) {
-    std::erase_if(sequence.frames[i].observations, [&](const Observation& z) {
-      return sequence.landmarks.at(z.track).label == Label::kStatic;
-    });
-  }
-  EXPECT_THAT(warnings_of(sequence, "true_labels"), says("none is static"));
 }
 
 // The true camera, which turns away from the truth at this rate [rad/frame] about its own y axis.
@@ -106,15 +79,13 @@ std::vector<RunWarning> turning(const Sequence& sequence, double rate) {
   return drive(sequence, estimator, options).warnings;
 }
 
-// An object that the five-point estimate follows: 4 of 12 spans disagreed when its matches decided
-// which translation the estimate's rotation was tried with.
-TEST(MadeFailures, AnObjectThatTheFivePointEstimateFollowsIsNone) {
-  EXPECT_THAT(turning(simulate("circle", {{"frames", "60"}}, 205), 0.0), IsEmpty());
-}
-
+// Where the five-point estimate follows an object (seed 205) the estimate is not wrong: 4 of 12
+// spans disagreed when its matches decided which translation the estimate's rotation was tried
+// with.
 TEST(MadeFailures, RotationWrong) {
   const Sequence sequence = scene();
   EXPECT_THAT(turning(sequence, 0.0), IsEmpty());
+  EXPECT_THAT(turning(simulate("circle", {{"frames", "60"}}, 205), 0.0), IsEmpty());
   EXPECT_THAT(turning(sequence, 0.01),
               ElementsAre(Field(&RunWarning::reason,
                                 HasSubstr("rotation disagrees with a five-point estimate"))));

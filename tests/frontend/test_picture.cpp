@@ -92,16 +92,23 @@ PictureState with_prediction(Measured what) {
   return state;
 }
 
-// Two sigma of S around the prediction, not around what was measured.
-TEST(Image, HasTheEllipseOfS) {
+// Of what is drawn into an image of 120 x 80.
+cv::Rect box_of(const PictureState& state) {
   const cv::Mat image(80, 120, CV_8UC1, cv::Scalar(128));
-  const PictureState state = with_prediction(Measured::kNot);
-  const cv::Mat mask =
-      difference_of(draw_predictions(image, 1, state), draw_predictions(image, 1, {}));
-  const cv::Rect box = cv::boundingRect(mask);
+  return cv::boundingRect(
+      difference_of(draw_predictions(image, 1, state), draw_predictions(image, 1, {})));
+}
+
+// Two sigma of S around the prediction, not around what was measured. Without a prediction, as in a
+// run of an earlier build, a mark where it was measured.
+TEST(Image, HasTheEllipseOfSOrTheMarkAtTheMeasurement) {
+  const cv::Rect box = box_of(with_prediction(Measured::kNot));
   EXPECT_NEAR(box.x + box.width / 2.0, 60.5, 1.0);
   EXPECT_NEAR(box.width, 41.0, 2.0);
   EXPECT_NEAR(box.height, 21.0, 2.0);
+  const cv::Rect mark = box_of(measured(at({2.0, -1.0, 4.0}, Label::kMoving)));
+  EXPECT_NEAR(mark.x + mark.width / 2.0, 20.5, 1.0);
+  EXPECT_NEAR(mark.y + mark.height / 2.0, 30.5, 1.0);
 }
 
 TEST(Image, TellsARejectedMeasurementByItsShape) {
@@ -115,17 +122,6 @@ TEST(Image, TellsARejectedMeasurementByItsShape) {
   EXPECT_FALSE(dark(Measured::kAccepted, 3, 3));
   EXPECT_FALSE(dark(Measured::kRejected, 4, 0));
   EXPECT_TRUE(dark(Measured::kRejected, 3, 3));
-}
-
-// The run of an earlier build: marks where it was measured.
-TEST(Image, WithoutAPredictionHasTheMarkAtTheMeasurement) {
-  const cv::Mat image(80, 120, CV_8UC1, cv::Scalar(128));
-  const PictureState state = measured(at({2.0, -1.0, 4.0}, Label::kMoving));
-  const cv::Mat mask =
-      difference_of(draw_predictions(image, 1, state), draw_predictions(image, 1, {}));
-  const cv::Rect box = cv::boundingRect(mask);
-  EXPECT_NEAR(box.x + box.width / 2.0, 20.5, 1.0);
-  EXPECT_NEAR(box.y + box.height / 2.0, 30.5, 1.0);
 }
 
 TEST(Page, HasEvenSides) {

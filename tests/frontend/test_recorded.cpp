@@ -22,9 +22,9 @@ bool is_here(const char* name) {
 
 // Camera and scale, and nothing that the recording says of motion and depths: what
 // bench/real_images.py states.
-Sequence tracked(const char* name, const TrackOptions& options) {
-  Sequence sequence =
-      track_images(read_images(std::filesystem::path(test::kSharedData) / name), options).sequence;
+Sequence tracked(const char* name, const TrackOptions& options, int last = -1) {
+  const Sequence images = read_images(std::filesystem::path(test::kSharedData) / name);
+  Sequence sequence = track_images(select_frames(images, 0, last, 1), options).sequence;
   sequence.motion.reset();
   sequence.prior.reset();
   return sequence;
@@ -92,7 +92,7 @@ TEST(Recorded, OneConfigurationIsEnoughForACarAndAHand) {
 // Cars among few static points: first estimates once ended the window at frame 9.
 TEST(Recorded, FirstEstimatesRunThroughTraffic) {
   if (!is_here("kitti_traffic")) GTEST_SKIP() << "kitti_traffic is not here";
-  const Sequence sequence = select_frames(tracked("kitti_traffic", {}), 0, 24, 1);
+  const Sequence sequence = tracked("kitti_traffic", {}, 24);
   Configuration configuration;
   configuration.window.linearisation = WindowLinearisation::kFej;
   const RunResult run = run_estimator(sequence, configuration, "window");

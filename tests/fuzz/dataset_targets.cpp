@@ -1,6 +1,5 @@
 // The readers of sequences.
 #include <cmath>
-#include <stdexcept>
 
 #include "datasets/native/native_settings.h"
 #include "datasets/readers/author_reader.h"
@@ -14,10 +13,6 @@ namespace slammot::fuzz {
 namespace {
 
 using Path = std::filesystem::path;
-
-void require(bool holds, const char* what) {
-  if (!holds) throw std::logic_error(what);
-}
 
 bool is_finite(const CameraState& x) {
   return x.position.allFinite() && x.orientation.coeffs().allFinite() && x.velocity.allFinite() &&

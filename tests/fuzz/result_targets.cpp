@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <stdexcept>
 
 #include "datasets/output/output_folder.h"
 #include "eval/configuration/configuration.h"
@@ -39,11 +38,9 @@ void read_study_results(const Path& folder) {
 }
 
 void require_poses(const std::vector<CameraEstimate>& cameras) {
-  for (const CameraEstimate& camera : cameras) {
-    if (!camera.state.position.allFinite() || !camera.state.orientation.coeffs().allFinite() ||
-        !std::isfinite(camera.timestamp)) {
-      throw std::logic_error("a pose");
-    }
+  for (const auto& [timestamp, state, covariance] : cameras) {
+    require(state.position.allFinite() && state.orientation.coeffs().allFinite(), "a pose");
+    require(std::isfinite(timestamp), "a time");
   }
 }
 
@@ -55,15 +52,13 @@ void read_foreign_trajectory(const Path& folder) {
 
 void read_run_folder(const Path& folder) {
   const StoredRun stored = read_run(folder);
-  if (!(stored.gate_probability > 0.0 && stored.gate_probability <= 1.0)) {
-    throw std::logic_error("the gate's probability");
-  }
+  require(stored.gate_probability > 0.0 && stored.gate_probability <= 1.0, "the gate");
   require_poses(stored.run.filtered);
 }
 
 void read_predictions(const Path& folder) {
   for (const auto& [frame, p] : read_prediction_rows(folder / "predictions.csv")) {
-    if (!p.pixel.allFinite() || !p.S.allFinite()) throw std::logic_error("a prediction");
+    require(p.pixel.allFinite() && p.S.allFinite(), "a prediction");
   }
 }
 

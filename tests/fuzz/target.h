@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -21,6 +22,11 @@ struct Target {
   // Throws std::logic_error for a result that is none.
   void (*read)(const std::filesystem::path& folder);
 };
+
+// Of what a reader has returned.
+inline void require(bool holds, const char* what) {
+  if (!holds) throw std::logic_error(what);
+}
 
 std::span<const Target> dataset_targets();
 std::span<const Target> result_targets();

@@ -1,5 +1,5 @@
-// What tests of models share: states at random and nearly degenerate ones, and the comparison with
-// Ceres' automatic differentiation.
+// What tests of models share: states at random and nearly degenerate ones, points in every
+// parametrisation, tests over types, and the comparison with Ceres' automatic differentiation.
 #pragma once
 
 #include <ceres/jet.h>
@@ -8,10 +8,11 @@
 #include <random>
 
 #include "models/camera_state.h"
+#include "models/points/all_points.h"
 
 namespace slammot::test {
 
-inline constexpr int kStates = 2000;
+inline constexpr int kStates = 500;
 inline constexpr double kRelative = 1e-7;
 
 template <int N>
@@ -64,18 +65,6 @@ class Random {
   int count_ = 0;
 };
 
-template <int N>
-CameraStateT<Jet<N>> perturbed(const CameraState& x, int offset = 0) {
-  Eigen::Matrix<Jet<N>, kCameraDim, 1> d;
-  for (int i = 0; i < kCameraDim; ++i) d(i) = Jet<N>(0.0, offset + i);
-  CameraStateT<Jet<N>> y;
-  y.position = x.position.template cast<Jet<N>>();
-  y.orientation = x.orientation.template cast<Jet<N>>();
-  y.velocity = x.velocity.template cast<Jet<N>>();
-  y.angular_velocity = x.angular_velocity.template cast<Jet<N>>();
-  return boxplus(y, d);
-}
-
 inline CameraState random_camera(Random& random) {
   CameraState x;
   x.position = random.vector(3.0);
@@ -83,6 +72,24 @@ inline CameraState random_camera(Random& random) {
   x.velocity = random.vector(2.0);
   x.angular_velocity = random.rotation();
   return x;
+}
+
+// All types of a tuple, for a typed test suite.
+template <typename>
+struct TypesOf;
+template <typename... M>
+struct TypesOf<std::tuple<M...>> {
+  using Type = testing::Types<M...>;
+};
+
+// As Random::y(), with rho near 0 and below only where there are such points.
+template <PointParametrisation P>
+Eigen::Vector3d random_point(Random& random) {
+  const Eigen::Vector3d angles_and_rho = random.y();
+  const Eigen::Vector3d G = InverseDepth::direction(angles_and_rho);
+  double rho = angles_and_rho.z();
+  if (!P::exists(G, 0.0)) rho = std::max(std::abs(rho), 0.01);
+  return P::of(G, rho, angles_and_rho);
 }
 
 }  // namespace slammot::test

@@ -7,7 +7,7 @@
 #include "models/camera_motion.h"
 #include "models/points/initialisation.h"
 #include "models/points/observation.h"
-#include "tests/models/point_fixture.h"
+#include "tests/models/fixture.h"
 
 namespace slammot {
 namespace {
@@ -33,26 +33,26 @@ TEST(Jacobians, RotationVectorThereAndBack) {
   }
 }
 
+CameraStateT<Jet<12>> as_jets(const CameraState& x) {
+  return {x.position.cast<Jet<12>>(), x.orientation.cast<Jet<12>>(), x.velocity.cast<Jet<12>>(),
+          x.angular_velocity.cast<Jet<12>>()};
+}
+
 TEST(Jacobians, CameraMotion) {
   Random random;
+  Eigen::Matrix<Jet<12>, 12, 1> d;
+  for (int i = 0; i < 12; ++i) d(i) = Jet<12>(0.0, i);
   for (int k = 0; k < kStates; ++k) {
     const CameraState x = random_camera(random);
     const double dt = random.uniform(0.01, 0.2);
-    const auto y = predict(perturbed<12>(x), dt);
-    const CameraState f = predict(x, dt);
-    CameraStateT<Jet<12>> f_jet;
-    f_jet.position = f.position.cast<Jet<12>>();
-    f_jet.orientation = f.orientation.cast<Jet<12>>();
-    f_jet.velocity = f.velocity.cast<Jet<12>>();
-    f_jet.angular_velocity = f.angular_velocity.cast<Jet<12>>();
-    const Matrix12d F = derivatives<12, 12>(boxminus(y, f_jet));
+    const auto y = predict(boxplus(as_jets(x), d), dt);
+    const Matrix12d F = derivatives<12, 12>(boxminus(y, as_jets(predict(x, dt))));
     expect_same(predict_jacobian(x, dt), F, "camera motion");
   }
 }
 
 Camera camera_with(std::string_view lens, std::vector<double> distortion) {
-  Camera camera{752, 480, 420.5, 420.6, 355.2, 250.3, make_lens(lens, distortion)};
-  return camera;
+  return {752, 480, 420.5, 420.6, 355.2, 250.3, make_lens(lens, distortion)};
 }
 
 class ObservationJacobians : public testing::TestWithParam<Camera> {};
@@ -104,35 +104,27 @@ TEST_P(ObservationJacobians, PixelOfALandmark) {
   expect_jacobians_of_every_pixel(GetParam(), static_cast<const PointParametrisations*>(nullptr));
 }
 
-// The camera's plane is a pole of h, where Jacobians grow beyond what can be eliminated.
-TEST(Observation, CountsForNothingNearThePlaneOfTheCamera) {
+// The camera's plane is a pole of h, where Jacobians grow beyond what can be eliminated. A fisheye
+// has such pixels in its corners.
+TEST(Observation, NothingCountsOrBeginsNearThePlaneOfTheCamera) {
   constexpr PointFunctions kPoint = point_row<InverseDepth>();
+  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+  const Eigen::Quaterniond I = Eigen::Quaterniond::Identity();
   const Camera camera;
-  const auto seen = [&](double degrees) {
+  Camera fisheye;
+  fisheye.lens = make_lens("equidistant", {});
+  fisheye.fx = fisheye.fy = 190.0;
+  for (const auto& [degrees, counts] : {std::pair{86.0, true}, {88.0, false}}) {
     const double angle = degrees * M_PI / 180.0;
     const Eigen::Vector3d direction(std::sin(angle), 0.0, std::cos(angle));
-    return observe(camera, kPoint, Eigen::Vector3d::Zero(), Eigen::Quaterniond::Identity(),
-                   Eigen::Vector3d::Zero(), kPoint.of(direction, 0.1, Eigen::Vector3d::Zero()));
-  };
-  ASSERT_TRUE(seen(86.0));
-  EXPECT_LT(seen(86.0)->J_y.cwiseAbs().maxCoeff(), 1e3 * camera.fx);
-  EXPECT_FALSE(seen(88.0));
-}
-
-// As a fisheye has them in its corners.
-TEST(Observation, NoLandmarkBeginsNearThePlaneOfTheCamera) {
-  constexpr PointFunctions kPoint = point_row<InverseDepth>();
-  Camera camera;
-  camera.lens = make_lens("equidistant", {});
-  camera.fx = camera.fy = 190.0;
-  const auto begins = [&](double degrees) {
-    const double angle = degrees * M_PI / 180.0;
-    return initialise(camera, kPoint, Eigen::Quaterniond::Identity(),
-                      {camera.cx + camera.fx * angle, camera.cy}, 0.3)
-        .has_value();
-  };
-  EXPECT_TRUE(begins(86.0));
-  EXPECT_FALSE(begins(88.0));
+    const auto seen = observe(camera, kPoint, zero, I, zero, kPoint.of(direction, 0.1, zero));
+    ASSERT_EQ(seen.has_value(), counts);
+    if (counts) {
+      EXPECT_LT(seen->J_y.cwiseAbs().maxCoeff(), 1e3 * camera.fx);
+    }
+    const Eigen::Vector2d pixel(fisheye.cx + fisheye.fx * angle, fisheye.cy);
+    EXPECT_EQ(initialise(fisheye, kPoint, I, pixel, 0.3).has_value(), counts);
+  }
 }
 
 TEST_P(ObservationJacobians, InitialisationInvertsObservation) {

@@ -4,7 +4,7 @@
 
 #include "models/landmarks/all_models.h"
 #include "models/landmarks/landmark_models.h"
-#include "tests/models/point_fixture.h"
+#include "tests/models/fixture.h"
 
 namespace slammot {
 namespace {
@@ -121,14 +121,6 @@ TYPED_TEST(LandmarkLaws, ItsMotionIsOfTheScaleItSays) {
   }
 }
 
-TYPED_TEST(LandmarkLaws, AtRestItStays) {
-  for (int k = 0; k < test::kStates; ++k) {
-    StateOf<TypeParam> x = this->random_state();
-    x.template tail<TypeParam::kMotion>().setZero();
-    EXPECT_LT((TypeParam::predict(x, 0.1) - x).norm(), 1e-12 * (1.0 + x.norm()));
-  }
-}
-
 TYPED_TEST(LandmarkLaws, MotionOfAVelocityHasThisVelocity) {
   for (int k = 0; k < test::kStates; ++k) {
     StateOf<TypeParam> x = this->random_state();
@@ -166,6 +158,24 @@ TYPED_TEST(LandmarkLaws, ItsRowIsTheModel) {
     EXPECT_TRUE(row.noise_root(x, prior, 0.1) == landmark_noise_root<TypeParam>(x, prior, 0.1));
   }
   EXPECT_GT(row.prior_sigmas(prior).minCoeff(), 0.0);
+}
+
+TEST(LandmarkPrior, SteadyTimeBoundsTheNoiseOfWhatIsNotKnownToMove) {
+  LandmarkPrior prior;
+  prior.max_speed = 4.0;
+  prior.acceleration = 3.0;
+  prior.jerk = 0.1;
+  prior.steady_time = 10.0;
+  EXPECT_EQ(prior.noise(true).acceleration, 3.0);
+  EXPECT_DOUBLE_EQ(prior.noise(false).acceleration, 0.2);
+  EXPECT_DOUBLE_EQ(prior.noise(false).jerk, 0.1);
+  prior.jerk = 5.0;
+  EXPECT_DOUBLE_EQ(prior.noise(false).jerk, 0.3);
+  prior.acceleration = 0.1;
+  EXPECT_EQ(prior.noise(false).acceleration, 0.1);
+  prior.steady_time = 0.0;
+  prior.acceleration = 3.0;
+  EXPECT_EQ(prior.noise(false).acceleration, 3.0);
 }
 
 // Jerk that is white over dt, integrated in small steps of constant jerk.

@@ -1,8 +1,7 @@
 // The laws that every parametrisation of a point keeps; a new one inherits them through
 // models/points/all_points.h.
-#include "models/points/initialisation.h"
-#include "models/points/observation.h"
-#include "tests/models/point_fixture.h"
+#include "models/points/scale.h"
+#include "tests/models/fixture.h"
 
 namespace slammot {
 namespace {
@@ -84,6 +83,26 @@ TYPED_TEST(PointLaws, ThereAndBack) {
   }
 }
 
+// In a world of another scale a direction stays, and depths grow.
+TYPED_TEST(PointLaws, AChangeOfScale) {
+  constexpr double kStep = 1e-6;
+  const Eigen::Vector3d g = Eigen::Vector3d(0.3, -0.2, 0.9).normalized();
+  const Eigen::Vector3d y = TypeParam::of(g, 0.4, Eigen::Vector3d::Zero().eval());
+  const PointRay ray = this->row.ray(scaled(this->row, y, 0.7));
+  EXPECT_LT((ray.direction - g).norm(), 1e-12);
+  EXPECT_NEAR(ray.inverse_depth, 0.4 * std::exp(-0.7), 1e-12);
+  EXPECT_LT((scaled(this->row, scaled(this->row, y, 0.5), -0.5) - y).norm(), 1e-12);
+  const auto difference = [&](const Eigen::Vector3d& d, double t, double dt) -> Eigen::Vector3d {
+    return (scaled(this->row, y + d, t + dt) - scaled(this->row, y - d, t - dt)) / (2.0 * kStep);
+  };
+  const Eigen::Matrix3d J = scaled_jacobian(this->row, y, 0.3);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_LT((difference(kStep * Eigen::Vector3d::Unit(k), 0.3, 0.0) - J.col(k)).norm(), 1e-8);
+  }
+  const Eigen::Vector3d along = difference(Eigen::Vector3d::Zero(), 0.0, kStep);
+  EXPECT_LT((along - along_scale(this->row, y)).norm(), 1e-8);
+}
+
 TYPED_TEST(PointLaws, ItsRowIsTheParametrisation) {
   for (int k = 0; k < 20; ++k) {
     const Eigen::Vector3d y = this->random_y();
@@ -94,30 +113,6 @@ TYPED_TEST(PointLaws, ItsRowIsTheParametrisation) {
     EXPECT_EQ(ray.J_inverse_depth, this->row.inverse_depth_jacobian(y));
   }
   EXPECT_EQ(this->row.linear_depth, TypeParam::kLinearDepth);
-}
-
-// The covariance of the position at birth, to first order.
-Eigen::Matrix3d birth_covariance(const PointFunctions& point, const Camera& camera,
-                                 const Eigen::Quaterniond& R, const Eigen::Vector2d& pixel) {
-  const NewLandmark born = initialise(camera, point, R, pixel, 0.3).value();
-  Eigen::Matrix<double, 3, 6> root;
-  root << 2.0 * born.J_pixel, 0.15 * born.J_inverse_depth, 0.01 * born.J_rotation;
-  const Eigen::Matrix<double, 3, 6> metric = position_jacobian(point, born.y) * root;
-  return metric * metric.transpose();
-}
-
-TEST(Birth, SaysTheSameInEveryParametrisation) {
-  const Camera camera{640, 480, 385.0, 385.0, 319.5, 239.5, PinholeLens{}};
-  test::Random random;
-  for (int k = 0; k < 100; ++k) {
-    const Eigen::Quaterniond R = exp_so3(random.rotation());
-    const Eigen::Vector2d pixel(random.uniform(0, 639), random.uniform(0, 479));
-    const Eigen::Matrix3d first = birth_covariance(point_table().front(), camera, R, pixel);
-    for (const PointFunctions& point : point_table()) {
-      const Eigen::Matrix3d other = birth_covariance(point, camera, R, pixel);
-      EXPECT_LT((other - first).norm(), 1e-9 * first.norm()) << point.name;
-    }
-  }
 }
 
 }  // namespace

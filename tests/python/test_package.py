@@ -8,14 +8,12 @@ import os
 import pathlib
 import subprocess
 import sys
-import tempfile
 import unittest
 
 import numpy as np
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-os.environ["SLAMMOT"] = sys.argv.pop(1)
-sys.path.insert(0, str(ROOT / "python"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "eval"))
+from fixture import ROOT, WithFolder, program  # noqa: E402
 import slammot  # noqa: E402
 from slammot import so3  # noqa: E402
 
@@ -29,30 +27,16 @@ sweep: {classifier.static_threshold: [0.8, 1.6], labels: [one_way]}
 """
 
 
-class Package(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = pathlib.Path(cls.temporary.name)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
-    def test_simulate_gives_the_numbers_of_the_files(self):
+class Package(WithFolder):
+    def test_simulate_gives_the_numbers_of_the_files_and_the_frames_that_an_estimator_is_given(self):
         sequence = slammot.simulate("circle", seed=3, output=self.folder / "circle", frames=15, noise=0.5)
         again = slammot.simulate("circle", seed=3, frames=15, noise=0.5)
         self.assertTrue(sequence.observations.equals(again.observations))
         with (self.folder / "circle" / "observations.csv").open(encoding="utf-8") as file:
             rows = [(int(r["frame"]), int(r["track"]), float(r["u"]), float(r["v"])) for r in csv.DictReader(file)]
         self.assertEqual(sorted(rows), list(sequence.observations.itertuples(index=False, name=None)))
-        self.assertEqual(len(sequence.frames), 15)
-        self.assertEqual(sequence.pixel_sigma, 0.5)
-        self.assertEqual(len(sequence.truth), 15)
+        self.assertEqual((len(sequence.frames), len(sequence.truth), sequence.pixel_sigma), (15, 15, 0.5))
         self.assertFalse(sequence.observations.equals(slammot.simulate("circle", seed=4, frames=15).observations))
-
-    def test_frames_are_those_an_estimator_is_given(self):
-        sequence = slammot.simulate("circle", seed=3, frames=15)
         frames = list(sequence)
         self.assertEqual([frame.index for frame in frames], list(range(15)))
         self.assertEqual(sum(len(frame.tracks) for frame in frames), len(sequence.observations))
@@ -109,7 +93,7 @@ class Package(unittest.TestCase):
     def test_study_is_a_tidy_table_of_numbers(self):
         (self.folder / "small.yaml").write_text(STUDY, encoding="utf-8")
         out = self.folder / "study"
-        slammot.slammot("study", self.folder / "small.yaml", "--output", out, "--jobs", 1)
+        program("study", self.folder / "small.yaml", "--output", out, "--jobs", 1)
         runs = slammot.read_study(out)
         results = [json.loads(line) for line in (out / "results.jsonl").read_text(encoding="utf-8").splitlines()]
         timing = [json.loads(line) for line in (out / "timing.jsonl").read_text(encoding="utf-8").splitlines()]

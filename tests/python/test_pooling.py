@@ -55,27 +55,24 @@ def made_run(cell, seed):
                   "nis_mean": 1.0, "warned": float(seed <= 10), **COUNTS, "coverage": {"offered": 10}, "frames": frames, "landmarks": landmarks, "tracks": []})
 
 
-class Folder(unittest.TestCase):
+def summarised(runs, timing):
+    """The one group of summary.json, and runs.csv."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, rows in (("results.jsonl", runs), ("timing.jsonl", timing)):
+            pathlib.Path(folder, name).write_text("".join(json.dumps(row) + "\n" for row in rows))
+        summary, table = study.summarise(plan(), pathlib.Path(folder))
+        return plain(summary)["groups"][0], table
+
+
+class Study(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.runs = [made_run(cell, seed) for cell in range(3) for seed in range(1, RUNS + 1)]
         cls.timing = [{"cell": run["cell"], "seed": run["seed"], "seconds": 1.0, "frame_median_ms": 2.0} for run in cls.runs]
+        cls.group, cls.table = summarised(cls.runs, cls.timing)
 
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
-
-    def summarised(self, runs=None, timing=None):
-        for name, rows in (("results.jsonl", runs or self.runs), ("timing.jsonl", timing or self.timing)):
-            (self.folder / name).write_text("".join(json.dumps(row) + "\n" for row in rows))
-        summary, self.table = study.summarise(plan(), self.folder)
-        return plain(summary)["groups"][0]
-
-
-class Study(Folder):
     def test_what_the_runs_say(self):
-        honest, sure, _ = self.summarised()["cells"]
+        honest, sure, _ = self.group["cells"]
         self.assertAlmostEqual(honest["anees"]["pose"]["mean"], 6.0, delta=0.15)
         self.assertAlmostEqual(honest["anees"]["position"]["mean"], 3.0, delta=0.1)
         self.assertGreaterEqual(honest["anees"]["pose"]["inside"], 0.88)
@@ -93,7 +90,7 @@ class Study(Folder):
         self.assertEqual(sure["nees_by_run"]["exceeding"], RUNS)
 
     def test_an_interval_of_landmarks_counts_runs_not_landmarks(self):
-        cell = self.summarised()["cells"][0]
+        cell = self.group["cells"][0]
         anees = cell["anees"]["landmark_position"]
         self.assertAlmostEqual(anees["mean"], 3.0, delta=0.1)
         self.assertTrue(0.85 <= anees["inside"] <= 0.99)  # were all landmarks independent: about a half
@@ -101,41 +98,37 @@ class Study(Folder):
         self.assertEqual(len(cell["per_frame"]["anees_landmark_position_lower"]), FRAMES)
 
     def test_each_part_has_the_interval_of_its_degrees_of_freedom(self):
-        f = self.summarised()["cells"][0]["per_frame"]
+        f = self.group["cells"][0]["per_frame"]
         self.assertAlmostEqual(f["anees_pose_upper"][0], 7.0, delta=0.1)       # chi2inv(.975, 300) / 50
         self.assertAlmostEqual(f["anees_position_upper"][0], 3.72, delta=0.1)  # chi2inv(.975, 150) / 50
         self.assertEqual(f["anees_rotation_upper"], f["anees_position_upper"])
 
     def test_a_diverged_run_is_named_and_loses(self):
-        group = self.summarised()
-        self.assertEqual([len(cell["diverged"]) for cell in group["cells"]], [0, 1, 0])
-        self.assertEqual(group["cells"][1]["diverged"][0]["seed"], 7)
-        self.assertEqual(group["cells"][1]["filtered_position_rmse_m"]["runs"], RUNS - 1)
-        pair, = group["pairs"]  # the ideal covariance takes part in none
+        cells = self.group["cells"]
+        self.assertEqual([[lost["seed"] for lost in cell["diverged"]] for cell in cells], [[], [7], []])
+        self.assertEqual(cells[1]["filtered_position_rmse_m"]["runs"], RUNS - 1)
+        pair, = self.group["pairs"]  # the ideal covariance takes part in none
         self.assertEqual((pair["wins_a"], pair["wins_b"], pair["position_rmse_difference_m"]["runs"]), (RUNS, 0, RUNS - 1))
         self.assertAlmostEqual(pair["position_rmse_difference_m"]["value"], -0.01)
         self.assertLess(pair["p_holm"], 1e-6)
 
     def test_a_row_for_each_run(self):
-        self.summarised()
         lines = self.table.splitlines()
         self.assertEqual(len(lines), 1 + 3 * RUNS)
         self.assertTrue(lines[0].startswith("scenario,group,estimator,label,k,seed,diverged,diverged_frame,failed,failed_frame,filtered_position_rmse_m"))
         self.assertTrue(lines[RUNS + 7].startswith("made,g,ekf,overconfident,1,7,1,100,0,,"))
 
     def test_what_is_no_line_of_a_run_is_refused(self):
-        run, timing = self.runs[0], self.timing[0]
+        run = self.runs[0]
         frames = run["frames"]
         for bad in ({"cell": 0, "seed": 1}, {**run, "diverged": 3}, {**run, "static": [1]}, {**run, "cell": 7}, {**run, "lost_at": []},
                     {**run, "warnings": [{"frame": -1, "reason": "x"}]}, {**run, "frames": {**frames, "nees_pose": [-1.0] * FRAMES}},
                     {**run, "frames": {**frames, "frame": [1]}}, {**run, "coverage": {"offered": "x"}}):
             with self.assertRaisesRegex(study.BadLine, r"results\.jsonl:1: is no"):
-                self.summarised([bad, *self.runs[1:]])
-        with self.assertRaisesRegex(study.BadLine, r"timing\.jsonl:1: is not the line"):
-            self.summarised(timing=[{"cell": 0, "seed": 1}, *self.timing[1:]])
-        with self.assertRaisesRegex(study.BadLine, r"timing\.jsonl:150: is not a line of JSON"):
-            self.summarised(timing=self.timing[:-1])
-        self.assertEqual(timing["seconds"], 1.0)
+                summarised([bad], self.timing[:1])
+        for timing, reason in (([{"cell": 0, "seed": 1}, *self.timing[1:]], "1: is not the line"), (self.timing[:-1], "150: is not a line of JSON")):
+            with self.assertRaisesRegex(study.BadLine, rf"timing\.jsonl:{reason}"):
+                summarised(self.runs, timing)
 
 
 class Frames(unittest.TestCase):

@@ -30,57 +30,47 @@ def ranked(*groups):
     return ranking.ranking({"groups": list(groups)})
 
 
+# A law; the groups of a study; its configurations from the best to the worst, with their costs; who is recommended.
+LAWS = (
+    ("error and sigma count alike, scenarios are factors",  # x: the root of 1 times 4; z: the stated sigma is half of the actual one
+     [group("a", [cell("x", 1.0, 6.0), cell("y", 1.5, 6.0), cell("z", 1.0, 24.0)]),
+      group("b", [cell("x", 4.0, 6.0), cell("y", 1.5, 6.0), cell("z", 1.0, 24.0)])],
+     {"y": 1.5, "x": 2.0, "z": 2.0}, {"filter": "y"}),
+    ("too careful is as wrong as too sure", [group("a", [cell("careful", 1.0, 3.0), cell("sure", 1.0, 12.0)])],
+     {"careful": 1.414214, "sure": 1.414214}, {"filter": "careful"}),
+    ("what diverged is last even without a number",
+     [group("a", [cell("once", 1.0, 6.0, diverged=1), cell("never", 9.0, 600.0), cell("always", None, None, diverged=10)])],
+     {"never": 90.0, "once": 1.0, "always": math.inf}, {"filter": "never"}),
+    ("an oracle is not recommended",
+     [group("a", [cell("labels", 1.0, 6.0, oracle=True), cell("consistent", 2.0, 12.0), cell("worse", 4.0, 12.0),
+                  cell("window", 2.5, 6.0, "smoother"), cell("window labels", 1.5, 6.0, "smoother", oracle=True)])],
+     {"labels": 1.0, "window labels": 1.5, "window": 2.5, "consistent": 2.828427, "worse": 5.656854},
+     {"smoother": "window", "filter": "consistent"}),
+    ("a measured truth has no ideal covariance and is left out",
+     [group("a", [cell("bad", 50.0, 600.0), cell("good", 1.2, 6.0)]),
+      {**group("recorded", []), "cells": [cell("bad", None, None), cell("good", None, None), cell("ideal_covariance", None, None, "ideal_covariance")]}],
+     {"good": 1.2, "bad": 500.0}, {"filter": "good"}),
+    ("without an ideal covariance nothing is ranked", [{**group("a", []), "cells": [cell("x", 1.0, 6.0), cell("y", 2.0, 6.0)]}], {}, {}),
+    ("without a finite cost nothing is recommended", [group("a", [cell("bad", None, None), cell("worse", None, None)])],
+     {"bad": math.inf, "worse": math.inf}, {}),
+    ("a smoother of any name is ranked as one, a batch is not",
+     [group("a", [cell("x", 1.0, 6.0), cell("fixed_lag_of_tomorrow", 3.0, 6.0, "smoother"), cell("batch", 1.0, 6.0, "batch")])],
+     {"x": 1.0, "fixed_lag_of_tomorrow": 3.0}, {"filter": "x", "smoother": "fixed_lag_of_tomorrow"}),
+    ("swept settings make configurations and swept scenes make scenarios",
+     [group(f"a{labels}{noise}", [cell("x", error, 6.0)], labels=labels, scenario_noise=noise) for labels, noise, error in (
+         ("one_way", "1", 1.0), ("one_way", "2", 4.0), ("reversible", "1", 1.0), ("reversible", "2", 1.0))],
+     {"x, labels = reversible": 1.0, "x, labels = one_way": 2.0}, {"filter": "x, labels = reversible"}))
+
+
 class Ranking(unittest.TestCase):
-    def test_error_and_sigma_count_alike_and_scenarios_as_factors(self):
-        rows = ranked(group("a", [cell("x", 1.0, 6.0), cell("y", 1.5, 6.0), cell("z", 1.0, 24.0)]),
-                      group("b", [cell("x", 4.0, 6.0), cell("y", 1.5, 6.0), cell("z", 1.0, 24.0)]))
-        self.assertEqual(rows[0].label, "y")
-        costs = {r.label: r.cost for r in rows}
-        self.assertAlmostEqual(costs["x"], 2.0)  # the root of 1 times 4
-        self.assertAlmostEqual(costs["y"], 1.5)
-        self.assertAlmostEqual(costs["z"], 2.0)  # the stated sigma is half of the actual one
-
-    def test_too_careful_is_as_wrong_as_too_sure(self):
-        rows = ranked(group("a", [cell("careful", 1.0, 3.0), cell("sure", 1.0, 12.0)]))
-        self.assertAlmostEqual(rows[0].cost, rows[1].cost)
-
-    def test_what_diverged_is_last_even_without_a_number(self):
-        rows = ranked(group("a", [cell("once", 1.0, 6.0, diverged=1), cell("never", 9.0, 600.0), cell("always", None, None, diverged=10)]))
-        self.assertEqual([r.label for r in rows], ["never", "once", "always"])
-
-    def test_an_oracle_is_not_recommended(self):
-        rows = ranked(group("a", [cell("labels", 1.0, 6.0, oracle=True), cell("consistent", 2.0, 12.0), cell("worse", 3.0, 12.0),
-                                  cell("window", 2.5, 7.0, "smoother"), cell("window labels", 1.0, 6.0, "smoother", oracle=True)]))
-        best = ranking.recommended(rows)
-        self.assertEqual({kind: row.label for kind, row in best.items()}, {"filter": "consistent", "smoother": "window"})
-
-    def test_a_measured_truth_has_no_ideal_covariance_and_is_left_out(self):
-        measured = group("recorded", [cell("bad", None, None), cell("good", None, None)])
-        del measured["cells"][-1]["per_frame"]
-        rows = ranked(group("a", [cell("bad", 50.0, 600.0), cell("good", 1.2, 6.0)]), measured)
-        self.assertEqual([r.label for r in rows], ["good", "bad"])
-
-    def test_without_a_finite_cost_nothing_is_recommended(self):
-        rows = ranked(group("a", [cell("bad", None, None), cell("worse", None, None)]))
-        self.assertEqual(ranking.recommended(rows), {})
-        self.assertEqual(ranking.sentence(rows), "")
-
-    def test_an_infinite_nees_has_no_cost_ratio(self):
-        rows = ranked(group("a", [cell("x", 1.0, 6.0), cell("y", 2.0, 6.0)]))
-        rows[1].cells[0]["rmse_over_ideal"]["runs"][4]["nees_pose"] = None
-        self.assertIsNone(ranking.cost_ratio(rows[1], rows[0]))
-
-    def test_a_smoother_of_any_name_is_ranked_as_one(self):
-        rows = ranked(group("a", [cell("x", 1.0, 6.0), cell("fixed_lag_of_tomorrow", 3.0, 6.0, "smoother")]))
-        self.assertEqual({kind: row.label for kind, row in ranking.recommended(rows).items()}, {"filter": "x", "smoother": "fixed_lag_of_tomorrow"})
-        self.assertIn("smoother: fixed_lag_of_tomorrow", ranking.sentence(rows))
-
-    def test_swept_settings_make_configurations_and_swept_scenes_make_scenarios(self):
-        rows = ranked(group("a1", [cell("x", 1.0, 6.0)], labels="one_way", scenario_noise="1"),
-                      group("a2", [cell("x", 4.0, 6.0)], labels="one_way", scenario_noise="2"),
-                      group("a3", [cell("x", 1.0, 6.0)], labels="reversible", scenario_noise="1"),
-                      group("a4", [cell("x", 1.0, 6.0)], labels="reversible", scenario_noise="2"))
-        self.assertEqual([(r.label, round(r.cost, 6)) for r in rows], [("x, labels = reversible", 1.0), ("x, labels = one_way", 2.0)])
+    def test_who_is_before_whom_and_recommended(self):
+        for law, groups, costs, recommended in LAWS:
+            with self.subTest(law):
+                rows = ranked(*groups)
+                self.assertEqual([(r.label, round(r.cost, 6)) for r in rows], list(costs.items()))
+                self.assertEqual({kind: row.label for kind, row in ranking.recommended(rows).items()}, recommended)
+                said = "Recommended " + "; ".join(f"{kind}: {label}" for kind, label in recommended.items()) + "."
+                self.assertEqual(ranking.sentence(rows), said if recommended else "")
 
     def test_the_cost_of_all_runs_and_without_each(self):
         rows = ranked(group("a", [cell("x", 1.0, 9.0), cell("y", 2.0, 2.0)]), group("b", [cell("x", 3.0, 24.0), cell("y", 1.5, 6.0)]))
@@ -106,20 +96,17 @@ class Ranking(unittest.TestCase):
         self.assertLess(lower, 1.0)
         self.assertGreater(upper, 1.0)
 
-    def test_no_interval_with_few_runs_or_one_that_diverged(self):
+    def test_no_interval_with_few_runs_or_one_that_diverged_or_is_infinite(self):
         best, other = ranked(group("a", [cell("best", 1.0, 6.0), cell("other", 1.3, 6.0)]))
         runs, of_best = (row.cells[0]["rmse_over_ideal"]["runs"] for row in (other, best))
         runs.pop()
         self.assertIsNone(ranking.cost_ratio(other, best))
         of_best.pop()
         self.assertIsNotNone(ranking.cost_ratio(other, best))
+        of_best[4]["nees_pose"] = None  # infinite
+        self.assertIsNone(ranking.cost_ratio(other, best))
         del runs[4:], of_best[4:]
         self.assertIsNone(ranking.cost_ratio(other, best))
-
-    def test_a_batch_is_not_ranked_and_without_an_ideal_covariance_nothing_is(self):
-        cells = [cell("x", 1.0, 6.0), cell("y", 2.0, 6.0), cell("batch", 1.0, 6.0, "batch")]
-        self.assertEqual([r.label for r in ranked(group("a", cells))], ["x", "y"])
-        self.assertEqual(ranking.ranking({"groups": [{"name": "a", "sweep": {}, "cells": cells}]}), [])
 
 
 def judged(label, low, high, runs, kind="filter"):

@@ -1,6 +1,6 @@
 """Recorded results: pages show what is recorded, word for word; what is stale is said; a study is recorded as the pages want it.
 
-usage: test_results.py [SLAMMOT]
+usage: test_results.py SLAMMOT
 """
 import importlib.machinery
 import importlib.util
@@ -13,12 +13,13 @@ import tempfile
 import unittest
 import unittest.mock
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "eval"))
+from fixture import ROOT, WithFolder, program  # noqa: E402
+
 loader = importlib.machinery.SourceFileLoader("results", str(ROOT / "scripts" / "results"))
 results = importlib.util.module_from_spec(importlib.util.spec_from_loader("results", loader))
 sys.dont_write_bytecode = True
 loader.exec_module(results)
-SLAMMOT = ""
 STUDY = """\
 format: slammot-study-1
 name: other
@@ -38,9 +39,7 @@ class Pages(unittest.TestCase):
 
 class Repository(unittest.TestCase):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.root = pathlib.Path(temporary.name)
+        self.root = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
         for name, text in (("eval/studies/a.yaml", "a"), ("eval/studies/b.yaml", "b"), ("eval/x.cpp", "x"), ("docs/page.md", ""), ("README.md", "")):
             self.write(name, text)
         self.git("init", "-q")
@@ -81,9 +80,10 @@ class Repository(unittest.TestCase):
         self.commit()
         self.assertEqual(results.state(self.root, "a"), "stale: the code or the study has changed")
         self.record("a", self.git("rev-parse", "HEAD"))
-        self.write("eval/x.cpp", "y  // why\n")
+        self.write("eval/there/x.cpp", "#include <map>\ny  // why\n")
+        (self.root / "eval/x.cpp").unlink()
         self.commit()
-        self.assertEqual(results.state(self.root, "a"), "up to date")  # a comment changes no figure
+        self.assertEqual(results.state(self.root, "a"), "up to date")  # neither a comment nor a place changes a figure
         self.write("eval/x.cpp", 'y "// text"')
         self.commit()
         self.assertEqual(results.state(self.root, "a"), "stale: the code or the study has changed")
@@ -121,44 +121,35 @@ class Repository(unittest.TestCase):
             results.record(self.root, "nothing", [])
 
 
-class Recorded(unittest.TestCase):
-    def slammot(self, *words, code=0):
-        done = subprocess.run([SLAMMOT, *map(str, words)], capture_output=True, text=True, check=False)
-        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        return done
-
-    @unittest.skipUnless(sys.argv[1:], "needs the program")
+class Recorded(WithFolder):
     def test_a_study_is_recorded_with_what_made_it(self):
-        with tempfile.TemporaryDirectory() as temporary:
-            folder = pathlib.Path(temporary)
-            study = folder / "helix.yaml"
-            study.write_text(STUDY)
-            self.assertIn("in no repository", self.slammot("study", study, "--record", "--output", folder / "out", code=2).stderr)
-            self.slammot("study", study, "--output", folder / "out", "--record", folder / "results")
-            recorded = folder / "results" / "helix"  # the name of the file, not of the study
-            self.assertEqual({file.name for file in recorded.iterdir()}, {"table.md", "summary.json"})
-            summary, whole = (json.loads((at / "summary.json").read_text()) for at in (recorded, folder / "out"))
-            self.assertIn(f"{study} --output", summary["command"])
-            self.assertEqual((summary["runs"], summary["first_seed"], summary["name"]), (5, 11, "other"))
-            self.assertEqual(summary["provenance"], whole["provenance"])
-            self.assertGreater(summary["core_hours"], 0.0)
-            cell = summary["groups"][0]["cells"][0]
-            self.assertEqual(cell["filtered_position_rmse_m"], whole["groups"][0]["cells"][0]["filtered_position_rmse_m"])
-            self.assertNotIn("per_frame", cell)
-            table = (recorded / "table.md").read_text()
-            self.assertRegex(table, r"(?m)^\| estimator \| runs \| ")
-            self.assertRegex(table, r"(?m)^\| ekf \| 5 \| [\d.]+ \[[\d.]+, [\d.]+\] \| ")
-            self.assertRegex(table, r"5 runs of each, seeds 11 to 15; .* Brackets: 95% intervals over runs\.")
-            self.assertRegex(table, r"(?m)^(More accurate|No difference is decided) \(paired t tests, 5% over all 3 pairs by Holm's correction\)")
-            self.assertNotIn(summary["provenance"]["commit"], table)
-            # Again, of other bytes in its place; and nothing that is somebody else's.
-            self.slammot("study", study, "--resume", "--output", folder / "out", "--record", folder / "results")
-            (folder / "mine" / "helix").mkdir(parents=True)
-            (folder / "mine" / "helix" / "table.md").write_text("mine")
-            refused = self.slammot("study", study, "--resume", "--output", folder / "out", "--record", folder / "mine", code=2).stderr
-            self.assertRegex(refused, r"\A[^\n]*helix: holds files that are no results of this program\n\Z")
+        study, out = self.folder / "helix.yaml", self.folder / "out"
+        study.write_text(STUDY)
+        self.assertIn("in no repository", program("study", study, "--record", "--output", out, code=2).stderr)
+        program("study", study, "--output", out, "--record", self.folder / "results")
+        recorded = self.folder / "results" / "helix"  # the name of the file, not of the study
+        self.assertEqual({file.name for file in recorded.iterdir()}, {"table.md", "summary.json"})
+        summary, whole = (json.loads((at / "summary.json").read_text()) for at in (recorded, out))
+        self.assertIn(f"{study} --output", summary["command"])
+        self.assertEqual((summary["runs"], summary["first_seed"], summary["name"]), (5, 11, "other"))
+        self.assertEqual(summary["provenance"], whole["provenance"])
+        self.assertGreater(summary["core_hours"], 0.0)
+        cell = summary["groups"][0]["cells"][0]
+        self.assertEqual(cell["filtered_position_rmse_m"], whole["groups"][0]["cells"][0]["filtered_position_rmse_m"])
+        self.assertNotIn("per_frame", cell)
+        table = (recorded / "table.md").read_text()
+        for line in (r"\| estimator \| runs \| ", r"\| ekf \| 5 \| [\d.]+ \[[\d.]+, [\d.]+\] \| ",
+                     r".*5 runs of each, seeds 11 to 15; .* Brackets: 95% intervals over runs\.",
+                     r"(More accurate|No difference is decided) \(paired t tests, 5% over all 3 pairs by Holm's correction\)"):
+            self.assertRegex(table, rf"(?m)^{line}")
+        self.assertNotIn(summary["provenance"]["commit"], table)
+        # Again, of other bytes in its place; and nothing that is somebody else's.
+        again = ["study", study, "--resume", "--output", out, "--record"]
+        program(*again, self.folder / "results")
+        (self.folder / "mine" / "helix").mkdir(parents=True)
+        (self.folder / "mine" / "helix" / "table.md").write_text("mine")
+        self.assertIn("helix: holds files that are no results of this program", program(*again, self.folder / "mine", code=2).stderr)
 
 
 if __name__ == "__main__":
-    SLAMMOT = sys.argv.pop(1) if len(sys.argv) > 1 and not sys.argv[1].startswith("-") else ""
     unittest.main()

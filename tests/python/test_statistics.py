@@ -1,5 +1,6 @@
 """The judge's statistics on series with known answers: intervals cover what they say, in series that are correlated and skewed
 as ours are; NEES of runs; paired differences."""
+import itertools
 import math
 import pathlib
 import sys
@@ -13,30 +14,25 @@ import slammot  # noqa: E402
 from slammot.judge import consistency, intervals, paired  # noqa: E402
 
 COUNTS = (5, 10, 20, 50)  # of runs
-SAMPLES = 200_000  # simulated runs, of which each count makes as many studies as it can: 40,000 of five, 4,000 of fifty
+SAMPLES = 100_000  # simulated runs, of which each count makes as many studies as it can: 20,000 of five, 2,000 of fifty
 NAN, INF = math.nan, math.inf
 
 
-def squares(rng, runs, frames, correlation, dof):
-    """Of each run the mean over its frames of dof squared numbers, each an AR(1) from frame to frame: a NEES, or a squared
-    error. One that is often correlated to the end of the run is as skewed as those of our studies (skewness 0.5 to 1.6)."""
-    x, total = rng.standard_normal((*runs, dof)), np.zeros(runs)
-    step = math.sqrt(1.0 - correlation**2)
-    for _ in range(frames):
-        total += np.sum(x**2, axis=-1)
-        x = correlation * x + step * rng.standard_normal(x.shape)
-    return total / frames
+def squares(rng, shape, correlation, dof):
+    """Frame by frame the sum of dof squared numbers, each an AR(1): a NEES, or a squared error."""
+    x = rng.standard_normal((*shape, dof))
+    while True:
+        yield np.sum(x**2, axis=-1)
+        x = correlation * x + math.sqrt(1.0 - correlation**2) * rng.standard_normal(x.shape)
 
 
+def means(rng, frames, correlation, dof):
+    """Of each run. One that is often correlated to the end of the run is as skewed as those of our studies (0.5 to 1.6)."""
+    return sum(itertools.islice(squares(rng, (SAMPLES,), correlation, dof), frames)) / frames
 
 
-def _series(frames, correlation, seed):
-    rng = np.random.default_rng(seed)
-    x, nees = rng.standard_normal(6), []
-    for _ in range(frames):
-        x = correlation * x + math.sqrt(1 - correlation**2) * rng.standard_normal(6)
-        nees.append(np.sum(x**2))
-    return np.array(nees)
+def series(frames, correlation, seed):
+    return np.array(list(itertools.islice(squares(np.random.default_rng(seed), (), correlation, 6), frames)))
 
 
 def grouped(samples, count):
@@ -45,33 +41,25 @@ def grouped(samples, count):
 
 
 class Coverage(unittest.TestCase):
-    """By simulation: of how many studies the 95% interval contains the truth, in percent."""
+    """By simulation: of how many studies the 95% interval contains the truth, in percent. A percentile bootstrap does of fewer
+    than 88% of those of five strongly correlated runs."""
 
     @classmethod
     def setUpClass(cls):
         rng = np.random.default_rng(3)
-        shape = (SAMPLES,)
-        cls.nees = {"weakly": squares(rng, shape, 60, 0.9, 6), "strongly": squares(rng, shape, 30, 0.985, 6)}
-        cls.square = {"weakly": squares(rng, shape, 60, 0.9, 3), "strongly": squares(rng, shape, 40, 0.97, 3)}
-        cls.other = squares(rng, shape, 40, 0.97, 3)
-        cls.said = []
-
-    @classmethod
-    def tearDownClass(cls):
-        print("\n" + "\n".join(cls.said))
+        cls.nees = {"weakly": means(rng, 60, 0.9, 6), "strongly": means(rng, 30, 0.985, 6)}
+        cls.square = {"weakly": means(rng, 60, 0.9, 3), "strongly": means(rng, 40, 0.97, 3)}
+        cls.other = means(rng, 40, 0.97, 3)
 
     def covered(self, what, limits_of, truth):
-        found = []
         for count in COUNTS:
             lower, upper = limits_of(count)
-            found.append(100 * np.mean((lower <= truth) & (truth <= upper)))
-        self.said.append(f"{what}: " + ", ".join(f"{f:.1f}% at {c}" for f, c in zip(found, COUNTS)))
-        for share, count in zip(found, COUNTS):
+            share = 100 * np.mean((lower <= truth) & (truth <= upper))
             self.assertTrue(93.0 <= share <= 97.0, f"{what}: {share:.1f}% at {count} runs")
 
     def test_anees(self):
-        for how, means in self.nees.items():
-            self.covered(f"ANEES, {how} correlated", lambda n: intervals.ratio_of_sums(grouped(means, n), np.ones((SAMPLES // n, n)))[1:], 6.0)
+        for how, of_runs in self.nees.items():
+            self.covered(f"ANEES, {how} correlated", lambda n: intervals.ratio_of_sums(grouped(of_runs, n), np.ones((SAMPLES // n, n)))[1:], 6.0)
 
     def test_anees_of_runs_of_different_length(self):
         counts = np.random.default_rng(4).integers(40, 80, self.nees["weakly"].shape)
@@ -92,17 +80,9 @@ class Coverage(unittest.TestCase):
         a, b = (np.sqrt(0.5 * self.square["strongly"] + 0.5 * x) for x in (self.other, self.other[::-1]))
 
         def limits(n):
-            estimates = [intervals.mean(row) for row in grouped(a - b, n)[:4000]]
+            estimates = [intervals.mean(row) for row in grouped(a - b, n)[:2000]]
             return np.array([[e.lower, e.upper] for e in estimates]).T
         self.covered("difference of RMSEs", limits, 0.0)
-
-    def test_a_percentile_bootstrap_would_not_pass(self):
-        """As it was here before: this test can fail."""
-        rng = np.random.default_rng(5)
-        means = grouped(self.nees["strongly"], 5)[:1000]
-        resampled = means[:, rng.integers(5, size=(500, 5))].mean(axis=2)
-        lower, upper = np.quantile(resampled, [0.025, 0.975], axis=1)
-        self.assertLess(np.mean((lower <= 6.0) & (6.0 <= upper)), 0.88)
 
     def test_the_median_covers_at_least(self):
         estimates = [intervals.median(row) for row in grouped(self.nees["weakly"], 20)[:1000]]
@@ -111,40 +91,28 @@ class Coverage(unittest.TestCase):
 
 
 class Intervals(unittest.TestCase):
-    def test_fewer_than_five_runs_have_none(self):
+    def test_fewer_than_five_runs_or_an_infinite_one_have_none(self):
         for estimate in (intervals.mean([1.0, 2, 3, 4]), intervals.mean([1.0, 2, 3, 4], positive=True), intervals.root_mean_square([1.0, 2]),
-                         intervals.median([1.0, 2, 3, 4, 5]), intervals.mean([])):
+                         intervals.median([1.0, 2, 3, 4, 5]), intervals.mean([]), intervals.mean([1.0, 2, 3, 4, INF], positive=True)):
             self.assertTrue(math.isnan(estimate.lower) and math.isnan(estimate.upper), estimate)
         self.assertEqual(intervals.mean([1.0, 3.0]).value, 2.0)
+        self.assertEqual(intervals.mean([1.0, 2, 3, 4, INF], positive=True).value, INF)
 
-    def test_of_normal_samples_it_is_students(self):
-        estimate = intervals.mean([1.0, 2, 3, 4, 5])
-        half = 2.7764451051977987 * math.sqrt(2.5 / 5)  # t(0.975, 4)
+    def test_of_normal_samples_it_is_students_jackknifed_or_not(self):
+        estimate, half = intervals.mean([1.0, 2, 3, 4, 5]), 2.7764451051977987 * math.sqrt(2.5 / 5)  # t(0.975, 4)
         self.assertAlmostEqual(estimate.upper, 3.0 + half)
         self.assertAlmostEqual(estimate.lower, 3.0 - half)
-
-    def test_an_infinite_sample_has_no_interval(self):
-        estimate = intervals.mean([1.0, 2, 3, 4, INF], positive=True)
-        self.assertEqual(estimate.value, INF)
-        self.assertTrue(math.isnan(estimate.lower))
+        x = np.array([1.0, 2, 4, 8, 16, 3])
+        estimate = intervals.jackknife((x.sum() - x) / (len(x) - 1), x.mean())
+        self.assertAlmostEqual(estimate.lower, intervals.mean(x).lower)
 
     def test_equal_samples_have_a_point(self):
         self.assertEqual(intervals.root_mean_square([2.0] * 6).json(), {"value": 2.0, "lower": 2.0, "upper": 2.0, "runs": 6})
         self.assertEqual(intervals.root_mean_square([0.0] * 6).upper, 0.0)
 
-    def test_runs_weigh_as_many_samples_as_they_have(self):
-        value, lower, upper = intervals.ratio_of_sums([600 * 6.0] * 47 + [60 * 500.0] * 3, [600] * 47 + [60] * 3)
-        self.assertAlmostEqual(value, (47 * 600 * 6 + 3 * 60 * 500) / (47 * 600 + 180))
-        self.assertTrue(lower < value < upper)
-
     def test_holm(self):
         self.assertEqual(intervals.holm([0.01, 0.04, 0.03]).tolist(), [0.03, 0.06, 0.06])
         self.assertEqual(intervals.holm([0.5, 0.9]).tolist(), [1.0, 1.0])
-
-    def test_a_jackknifed_mean_has_students_interval(self):
-        x = np.array([1.0, 2, 4, 8, 16, 3])
-        estimate = intervals.jackknife((x.sum() - x) / (len(x) - 1), x.mean())
-        self.assertAlmostEqual(estimate.lower, intervals.mean(x).lower)
 
     def test_quantiles_are_numpys_and_may_be_infinite(self):
         x = [3.0, 1.0, 2.0, 10.0]
@@ -174,7 +142,7 @@ class Nees(unittest.TestCase):
         self.assertAlmostEqual(float(upper), 6.9976, delta=1e-3)
 
     def test_anees_of_runs_that_end_early(self):
-        runs = [_series(60 - i, 0.9, i) for i in range(30)]
+        runs = [series(60 - i, 0.9, i) for i in range(30)]
         anees = slammot.anees(runs)
         self.assertAlmostEqual(anees.estimate.value, np.concatenate(runs).mean())
         self.assertEqual(len(anees.per_frame), 60)
@@ -189,20 +157,20 @@ class Nees(unittest.TestCase):
         self.assertEqual(slammot.anees(table, dof=3).estimate.value, 5.5)
 
     def test_effective_samples_are_those_of_theory(self):
-        self.assertAlmostEqual(consistency.effective_samples(_series(10000, 0.0, 1)) / 10000, 1.0, delta=0.1)
+        self.assertAlmostEqual(consistency.effective_samples(series(10000, 0.0, 1)) / 10000, 1.0, delta=0.1)
         r = 0.9 * 0.9  # the square of an AR(1) has the correlation squared
-        self.assertAlmostEqual(consistency.effective_samples(_series(10000, 0.9, 2)) / 10000, (1 - r) / (1 + r), delta=0.03)
+        self.assertAlmostEqual(consistency.effective_samples(series(10000, 0.9, 2)) / 10000, (1 - r) / (1 + r), delta=0.03)
         self.assertEqual(consistency.effective_samples([1.0, -1.0, 1.0, -1.0]), 4.0)
         self.assertEqual(consistency.effective_samples([11.3, 1e300, 4.4]), 3.0)
 
     def test_a_consistent_run_is_allowed(self):
-        exceeding = sum(consistency.run_nees(_series(300, 0.9, seed)).exceeds for seed in range(200))
+        exceeding = sum(consistency.run_nees(series(300, 0.9, seed)).exceeds for seed in range(200))
         self.assertLessEqual(exceeding, 9)  # one in a hundred by name; estimating the correlation costs a few
 
     def test_where_a_run_began_to_be_too_large(self):
-        series = _series(600, 0.9, 5)
-        series[200:] *= 4.0
-        self.assertAlmostEqual(consistency.run_nees(series).began, 200, delta=15)
+        nees = series(600, 0.9, 5)
+        nees[200:] *= 4.0
+        self.assertAlmostEqual(consistency.run_nees(nees).began, 200, delta=15)
         infinite = consistency.run_nees([5.0, NAN, INF, 7.0])
         self.assertEqual((infinite.mean, infinite.exceeds, infinite.began), (INF, True, 2))
         self.assertFalse(consistency.run_nees([NAN]).exceeds)
@@ -212,7 +180,8 @@ class Paired(unittest.TestCase):
     def test_rounding_is_a_tie_and_a_diverged_run_loses(self):
         pair = paired.paired([0.5, INF, 0.5, INF], [0.5 * (1 + 1e-12), INF, 0.5 * (1 + 1e-6), 0.5])
         self.assertEqual((pair.pairs, pair.wins_a, pair.wins_b, pair.difference.runs), (4, 1, 1, 2))
-        self.assertEqual(paired.paired([0.5] * 6, [0.5 * (1 + 1e-12)] * 6).p, 1.0)
+        rounded = paired.paired([0.5] * 6, [0.5 * (1 + 1e-12)] * 6)
+        self.assertEqual((rounded.p, rounded.difference.json()), (1.0, {"value": 0.0, "lower": 0.0, "upper": 0.0, "runs": 6}))
 
     def test_who_is_better(self):
         rng = np.random.default_rng(2)

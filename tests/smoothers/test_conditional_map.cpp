@@ -36,9 +36,8 @@ struct InactiveMap : testing::TestWithParam<test::Model> {
       EXPECT_FALSE(graph.prior().active.find(id));
     }
   }
-  // Of all that is there.
-  test::Posterior posterior() {
-    return test::posterior(graph, test::dense_problem(graph), test::what_stays(graph, {}));
+  test::Posterior posterior(const test::Asked& asked) {
+    return test::posterior(graph, test::dense_problem(graph), asked);
   }
   Scene scene;
   Graph& graph;
@@ -54,7 +53,7 @@ TEST_P(InactiveMap, HasItsMarginals) {
     const test::Asked asked{{scene.newest().position, scene.newest().orientation,
                              scene.newest().rates, graph[id].anchor, graph[id].y},
                             {}};
-    const test::Posterior expected = test::posterior(graph, test::dense_problem(graph), asked);
+    const test::Posterior expected = posterior(asked);
     EXPECT_EQ(equations.state_dim(graph, id), 3);
     EXPECT_LT(test::difference(equations.joint(id), expected.covariance), 1e-9) << id;
   }
@@ -72,27 +71,21 @@ TEST_P(InactiveMap, FollowsTheStep) {
   EXPECT_LT((graph.value(y) - expected).norm(), 1e-10);
 }
 
-TEST_P(InactiveMap, RelinearisedItIsTheSame) {
-  const test::Posterior before = posterior();
+TEST_P(InactiveMap, RelinearisedOrReactivatedItIsTheSame) {
+  const test::Asked all = test::what_stays(graph, {});
+  const test::Posterior before = posterior(all);
   graph.prior().relinearise();
   EXPECT_EQ(graph.prior().active.difference().norm(), 0.0);
-  EXPECT_LT(test::difference(posterior(), before), kExact);
-}
-
-TEST_P(InactiveMap, ReactivatedItIsTheSame) {
-  const test::Posterior before = posterior();
-  test::Asked all = test::what_stays(graph, {});
+  EXPECT_LT(test::difference(posterior(all), before), kExact);
   graph.reactivate({graph[Scene::kLone].y, anchor()});
   EXPECT_EQ(graph.prior().inactive.dim(), 6);
   EXPECT_TRUE(graph.variables[anchor()].is_active);
   graph.linearise();
-  EXPECT_LT(test::difference(test::posterior(graph, test::dense_problem(graph), all), before),
-            kExact);
+  EXPECT_LT(test::difference(posterior(all), before), kExact);
   graph.reactivate({graph[Scene::kKnown].y, graph[Scene::kBrief].y});
   EXPECT_TRUE(graph.prior().inactive.empty());
   graph.linearise();
-  EXPECT_LT(test::difference(test::posterior(graph, test::dense_problem(graph), all), before),
-            kExact);
+  EXPECT_LT(test::difference(posterior(all), before), kExact);
 }
 
 // Back in sight, measured anew, and left behind once more; what sleeps hangs on what has woken.
@@ -133,17 +126,14 @@ TEST_P(InactiveMap, WhileMotionsAreForgotten) {
 TEST_P(InactiveMap, ForgetsWhatIsMarginalised) {
   test::Asked asked = test::what_stays(graph, {});
   std::erase(asked.variables, graph[Scene::kLone].y);
-  const auto of_the_rest = [&] {
-    return test::posterior(graph, test::dense_problem(graph), asked);
-  };
-  const test::Posterior before = of_the_rest();
+  const test::Posterior before = posterior(asked);
   const VariableId y = graph[Scene::kLone].y;
   graph.prior().inactive.forget({y});
   graph.variables.remove(y);
   graph.remove_landmark(Scene::kLone);
   EXPECT_EQ(graph.prior().inactive.dim(), 9);
   EXPECT_FALSE(graph.prior().inactive.contains(y));
-  EXPECT_EQ(test::difference(of_the_rest(), before), 0.0);
+  EXPECT_EQ(test::difference(posterior(asked), before), 0.0);
   leave({});  // its rows of the map are vacant
 }
 
@@ -155,11 +145,11 @@ TEST_P(InactiveMap, ConditionedOnZero) {
   test::Asked asked = test::what_stays(graph, {});
   std::erase_if(asked.states, [](const auto& s) { return s.landmark == Scene::kMoving; });
   asked.variables.push_back(l.y);
-  const test::Posterior rest = test::posterior(graph, test::dense_problem(graph), asked);
+  const test::Posterior rest = posterior(asked);
   const Eigen::Index n = rest.mean.size(), m = graph.models().landmark->motion;
   test::Asked with_w = asked;
   with_w.states.push_back({Scene::kMoving, 0, static_cast<int>(m) + 3});
-  const test::Posterior joint = test::posterior(graph, test::dense_problem(graph), with_w);
+  const test::Posterior joint = posterior(with_w);
   const Eigen::MatrixXd P = joint.covariance;
   const Eigen::MatrixXd gain =
       P.bottomRightCorner(m, m).llt().solve(P.bottomLeftCorner(m, n)).transpose();
@@ -169,8 +159,7 @@ TEST_P(InactiveMap, ConditionedOnZero) {
 
   graph.condition_on_rest(Scene::kMoving);
   EXPECT_FALSE(l.is_free());
-  EXPECT_LT(test::difference(test::posterior(graph, test::dense_problem(graph), asked), expected),
-            kExact);
+  EXPECT_LT(test::difference(posterior(asked), expected), kExact);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, InactiveMap, testing::ValuesIn(test::models()));

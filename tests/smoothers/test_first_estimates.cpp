@@ -10,7 +10,7 @@ namespace {
 
 using test::Scene;
 
-constexpr double kExact = 1e-8;  // [sigma]
+constexpr double kSame = 1e-8;  // [sigma]
 
 struct FirstEstimates : testing::TestWithParam<bool> {
   FirstEstimates() : scene(12, {test::kModel, GetParam()}), graph(scene.graph) {}
@@ -119,12 +119,12 @@ TEST_P(FirstEstimates, StepsAndMarginalsAreThoseOfTheStoredRows) {
 TEST_P(FirstEstimates, MarginalisationIsExact) {
   Leaving leaving;
   leaving.departures = {scene.drop(Scene::kMoving), scene.drop(Scene::kFreed)};
-  EXPECT_LT(test::change_by_marginalising(scene, leaving), kExact);
+  EXPECT_LT(test::change_by_marginalising(scene, leaving), kSame);
   for (int i = 0; i < 4; ++i) {
     scene.move(3.0);
     leaving = scene.oldest_leaves();
     if (i == 0) leaving.deactivated = {graph[Scene::kBrief].y};
-    EXPECT_LT(test::change_by_marginalising(scene, leaving), kExact) << i;
+    EXPECT_LT(test::change_by_marginalising(scene, leaving), kSame) << i;
   }
 }
 

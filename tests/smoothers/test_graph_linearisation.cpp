@@ -28,6 +28,7 @@ struct GraphLinearisation : testing::TestWithParam<std::tuple<test::Model, bool>
   Scene scene;
 };
 
+// Its derivatives are tested in test_cost_functions.cpp.
 TEST_P(GraphLinearisation, IsThatOfCeres) {
   const double cost = scene.graph.linearise();
   const test::DenseProblem expected = test::dense_problem(scene.graph);
@@ -38,26 +39,6 @@ TEST_P(GraphLinearisation, IsThatOfCeres) {
   for (Eigen::Index i = 0; i < stored.J.rows(); ++i) {
     EXPECT_LT((stored.J.row(i) - expected.J.row(i)).norm(), 1e-11 * expected.J.row(i).norm())
         << "row " << i;
-  }
-}
-
-TEST_P(GraphLinearisation, IsTheDerivativeOfTheResiduals) {
-  Graph& graph = scene.graph;
-  const test::DenseProblem at = test::stored_problem(graph);
-  constexpr double kStep = 1e-5;
-  const Eigen::Index n = at.J.cols();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto moved = [&](double by) {
-      test::set_steps(graph, by * Eigen::VectorXd::Unit(n, i));
-      graph.retract();
-      Eigen::VectorXd r = test::dense_problem(graph).r;
-      test::set_steps(graph, -by * Eigen::VectorXd::Unit(n, i));
-      graph.retract();
-      return r;
-    };
-    const Eigen::VectorXd numeric = (moved(kStep) - moved(-kStep)) / (2.0 * kStep);
-    EXPECT_LT((numeric - at.J.col(i)).norm(), 1e-6 * std::max(1.0, at.J.col(i).norm()))
-        << "column " << i;
   }
 }
 

@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "smoothers/graph/prior.h"
 #include "tests/smoothers/fixture/cameras.h"
+#include "tests/smoothers/fixture/prior_laws.h"
 
 namespace slammot {
 namespace {
@@ -45,46 +45,21 @@ struct Moved {
   }
   static constexpr int kCore = 17;
 
-  // Of a column of the prior, its row in the core.
-  Eigen::MatrixXd placed() const {
-    Eigen::MatrixXd E = Eigen::MatrixXd::Zero(kDim, kCore);
-    for (const auto& b : prior.active.blocks()) {
-      E.block(b.offset, b.variable->core, b.dim(), b.dim()).setIdentity();
-    }
-    return E;
-  }
-
   void expect_normal_equations(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) const {
-    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(kCore, kCore);
-    Eigen::VectorXd g = Eigen::VectorXd::Zero(kCore);
-    prior.active.add_to(H, g);
-    const Eigen::MatrixXd of_core = J * placed();
-    const Eigen::MatrixXd expected = of_core.transpose() * of_core;
-    const Eigen::MatrixXd lower = H.triangularView<Eigen::Lower>();
-    EXPECT_LT((lower - expected.triangularView<Eigen::Lower>().toDenseMatrix()).norm(),
-              1e-12 * expected.norm());
-    EXPECT_LT((g - of_core.transpose() * r).norm(), 1e-12 * g.norm());
+    test::expect_normal_equations(prior.active, kCore, J, r, 1e-12);
+  }
+  // R is zero before the first column of each row that may not be.
+  void expect_zero_before_starts() const {
+    const std::vector<int>& starts = prior.active.starts();
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      EXPECT_EQ(prior.active.R().row(static_cast<int>(i)).head(starts[i]).norm(), 0.0);
+    }
   }
 };
 
 TEST(MarginalPrior, JacobianIsTheDerivativeOfTheResidual) {
   Moved at(false);
-  const Eigen::MatrixXd J = at.prior.active.jacobian();
-  for (const auto& block : at.prior.active.blocks()) {
-    Variable& v = at.variables[block.variable->id];
-    const SmallVector value = v.value;
-    for (int i = 0; i < v.dim(); ++i) {
-      constexpr double kStep = 1e-6;
-      const SmallVector d = kStep * Eigen::VectorXd::Unit(v.dim(), i);
-      v.value = plus(v.is_orientation, value, d);
-      const Eigen::VectorXd ahead = at.prior.active.residual();
-      v.value = plus(v.is_orientation, value, -d);
-      const Eigen::VectorXd behind = at.prior.active.residual();
-      v.value = value;
-      EXPECT_LT(((ahead - behind) / (2.0 * kStep) - J.col(block.offset + i)).norm(), 1e-8)
-          << "variable " << v.id << " column " << i;
-    }
-  }
+  test::expect_jacobian_of_the_residual(at.prior.active, at.variables, 1e-8);
 }
 
 TEST(MarginalPrior, WithFixedPointsTheJacobianStays) {
@@ -107,7 +82,8 @@ TEST(MarginalPrior, NormalEquationsAreThoseOfResidualAndJacobian) {
     Eigen::MatrixXd E = Eigen::MatrixXd::Ones(Moved::kCore, 2);
     at.prior.active.add_transposed(K, E);
     E.array() -= 1.0;
-    EXPECT_LT((E.transpose() - K * at.placed()).norm(), 1e-12 * K.norm());
+    EXPECT_LT((E.transpose() - K * test::placed(at.prior.active, Moved::kCore)).norm(),
+              1e-12 * K.norm());
   }
 }
 
@@ -132,15 +108,10 @@ TEST(MarginalPrior, RelinearisedItSaysTheSameHere) {
     const Eigen::MatrixXd J = at.prior.active.jacobian();
     const Eigen::VectorXd r = at.prior.active.residual();
     at.expect_normal_equations(J, r);
-    at.prior.relinearise();
+    test::expect_the_same_when_relinearised(at.prior);
     EXPECT_EQ(at.prior.active.difference().norm(), 0.0);
-    EXPECT_LT((at.prior.active.residual() - r).norm(), 1e-12 * r.norm());
-    EXPECT_LT((at.prior.active.jacobian() - J).norm(), 1e-12 * J.norm());
     at.expect_normal_equations(J, r);
-    const std::vector<int>& starts = at.prior.active.starts();
-    for (std::size_t i = 0; i < starts.size(); ++i) {
-      EXPECT_EQ(at.prior.active.R().row(static_cast<int>(i)).head(starts[i]).norm(), 0.0);
-    }
+    at.expect_zero_before_starts();
   }
 }
 
@@ -159,10 +130,7 @@ TEST(MarginalPrior, ConditionedOnZeroItIsTheRest) {
   at.prior.condition_on_zero(at.u->id);
   EXPECT_EQ(at.prior.active.cols(), 6);
   EXPECT_EQ(at.prior.active.find(at.p->id)->offset, 3);
-  const std::vector<int>& starts = at.prior.active.starts();
-  for (std::size_t i = 0; i < starts.size(); ++i) {
-    EXPECT_EQ(at.prior.active.R().row(static_cast<int>(i)).head(starts[i]).norm(), 0.0);
-  }
+  at.expect_zero_before_starts();
 }
 
 // p(b) p(x | b), and of it the rows that were there.

@@ -3,19 +3,18 @@
 #include <gtest/gtest.h>
 
 #include "tests/smoothers/fixture/posterior.h"
-#include "tests/smoothers/fixture/scene.h"
 
 namespace slammot {
 namespace {
 
 using test::Scene;
 
-constexpr double kExact = 1e-8;  // [sigma]
+constexpr double kRounding = 1e-8;  // [sigma]
 
 struct Marginalisation : testing::TestWithParam<test::Model> {
   Marginalisation() : scene(9, {GetParam()}), graph(scene.graph) {}
   void expect_exact(const Leaving& leaving) {
-    EXPECT_LT(test::change_by_marginalising(scene, leaving), kExact);
+    EXPECT_LT(test::change_by_marginalising(scene, leaving), kRounding);
   }
   Scene scene;
   Graph& graph;
@@ -51,33 +50,25 @@ TEST_P(Marginalisation, OfFramesWhileTheEstimateMoves) {
   expect_exact(scene.oldest_leaves());
 }
 
-// It is static from the end of its chain on: several steps at once, its motion forgotten.
-TEST_P(Marginalisation, OfTheMotionOfAPrivateLandmark) {
+// It is static from the end of its chain on: several steps at once, its motion forgotten. Of a
+// landmark of its own, in the prior, or partly there.
+TEST_P(Marginalisation, OfAMotion) {
+  Scene early(9, {GetParam()});
   Leaving leaving;
-  leaving.departures = {scene.drop(Scene::kMoving)};
-  expect_exact(leaving);
-  EXPECT_FALSE(graph[Scene::kMoving].is_free());
-  EXPECT_EQ(graph[Scene::kMoving].steps(), 0);
-  EXPECT_TRUE(graph[Scene::kMoving].pixels.empty());
-}
+  leaving.departures = {early.drop(Scene::kMoving)};
+  EXPECT_LT(test::change_by_marginalising(early, leaving), kRounding);
+  EXPECT_FALSE(early.graph[Scene::kMoving].is_free());
+  EXPECT_EQ(early.graph[Scene::kMoving].steps(), 0);
+  EXPECT_TRUE(early.graph[Scene::kMoving].pixels.empty());
 
-TEST_P(Marginalisation, OfTheMotionOfALandmarkInThePrior) {
   expect_exact(scene.oldest_leaves());
-  ASSERT_TRUE(holds(graph, graph[Scene::kMoving].w));
-  scene.move();
-  Leaving leaving;
-  leaving.departures = {scene.drop(Scene::kMoving)};
-  expect_exact(leaving);
-}
-
-TEST_P(Marginalisation, OfTheMotionOfALandmarkPartlyInThePrior) {
-  expect_exact(scene.oldest_leaves());
-  ASSERT_TRUE(holds(graph, graph[Scene::kFreed].y));
+  ASSERT_TRUE(holds(graph, graph[Scene::kMoving].w) && holds(graph, graph[Scene::kFreed].y));
   ASSERT_FALSE(holds(graph, graph[Scene::kFreed].w));
-  scene.move();
-  Leaving leaving;
-  leaving.departures = {scene.drop(Scene::kFreed)};
-  expect_exact(leaving);
+  for (const LandmarkId id : {Scene::kMoving, Scene::kFreed}) {
+    scene.move();
+    leaving.departures = {scene.drop(id)};
+    expect_exact(leaving);
+  }
 }
 
 // All at once: two motions and the oldest frame.
@@ -137,22 +128,6 @@ TEST_P(Marginalisation, OfLandmarks) {
   leaving.anchors = {scene.cameras[0].position, scene.cameras[1].position};
   expect_exact(leaving);
   EXPECT_TRUE(test::active_landmarks(graph).empty());
-}
-
-// A prior that says one per cent more than it should is found out.
-TEST_P(Marginalisation, ThePriorIsNeeded) {
-  const Leaving leaving = scene.oldest_leaves();
-  const test::Asked asked = test::what_stays(graph, leaving);
-  const test::Posterior before = test::posterior(graph, test::dense_problem(graph), asked);
-  scene.marginalise(leaving);
-  MarginalPrior& prior = graph.prior().active;
-  std::vector<Variable*> variables;
-  for (const auto& b : prior.blocks()) variables.push_back(&graph.variables[b.variable->id]);
-  const Eigen::MatrixXd R = 1.01 * prior.R();
-  prior.set(variables, R, Eigen::VectorXd(prior.r()));
-  const test::Posterior after =
-      test::posterior(graph, test::dense_problem(graph), test::renamed(asked, leaving));
-  EXPECT_GT(test::difference(after, before), 1e-3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Marginalisation, testing::ValuesIn(test::models()));

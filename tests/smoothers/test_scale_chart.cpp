@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <random>
 
-#include "smoothers/graph/prior.h"
 #include "tests/smoothers/fixture/cameras.h"
+#include "tests/smoothers/fixture/prior_laws.h"
 
 namespace slammot {
 namespace {
@@ -17,7 +17,8 @@ struct Kept {
   std::mt19937_64 engine{7};
   Variables variables;
   std::vector<Variable*> all;
-  MarginalPrior prior{false, true};
+  Prior both{MarginalPrior(false, true), ConditionalMap(true)};
+  MarginalPrior& prior = both.active;
 
   Eigen::VectorXd normals(Eigen::Index size) {
     std::normal_distribution<double> normal;
@@ -95,46 +96,12 @@ TEST_P(ScaleCharts, AChangeOfScaleIsAStraightLine) {
   EXPECT_LT((at.prior.residual() - before - 0.3 * slope).norm(), 1e-9 * before.norm());
 }
 
-TEST_P(ScaleCharts, TheJacobianIsTheResiduals) {
+TEST_P(ScaleCharts, KeepTheLawsOfAPrior) {
   at.move(0.05);
   const Eigen::MatrixXd J = at.prior.jacobian();
-  constexpr double kStep = 1e-6;
-  for (const PriorBlock& b : at.prior.blocks()) {
-    Variable& v = at.variables[b.variable->id];
-    const SmallVector kept = v.value;
-    for (int k = 0; k < b.dim(); ++k) {
-      SmallVector d = SmallVector::Zero(b.dim());
-      d(k) = kStep;
-      v.value = plus(v.is_orientation, kept, d);
-      const Eigen::VectorXd after = at.prior.residual();
-      v.value = plus(v.is_orientation, kept, -d);
-      const Eigen::VectorXd numeric = (after - at.prior.residual()) / (2.0 * kStep);
-      EXPECT_LT((numeric - J.col(b.offset + k)).norm(), 1e-6 * J.norm()) << b.offset + k;
-    }
-    v.value = kept;
-  }
-}
-
-TEST_P(ScaleCharts, NormalEquationsAreThoseOfResidualAndJacobian) {
-  at.move(0.05);
-  const Eigen::MatrixXd J = at.prior.jacobian();
-  const Eigen::VectorXd g = J.transpose() * at.prior.residual();
-  const int n = at.prior.cols();
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
-  Eigen::VectorXd added = Eigen::VectorXd::Zero(n);
-  at.prior.add_to(H, added);
-  H = H.selfadjointView<Eigen::Lower>().toDenseMatrix();
-  EXPECT_LT((H - J.transpose() * J).norm(), 1e-10 * H.norm());
-  EXPECT_LT((added - g).norm(), 1e-10 * g.norm());
-}
-
-TEST_P(ScaleCharts, RelinearisedItSaysTheSameHere) {
-  at.move(0.05);
-  const Eigen::MatrixXd J = at.prior.jacobian();
-  const Eigen::VectorXd r = at.prior.residual();
-  at.prior.relinearise();
-  EXPECT_LT((at.prior.residual() - r).norm(), 1e-12 * r.norm());
-  EXPECT_LT((at.prior.jacobian() - J).norm(), 1e-12 * J.norm());
+  test::expect_jacobian_of_the_residual(at.prior, at.variables, 1e-6 * J.norm());
+  test::expect_normal_equations(at.prior, at.prior.cols(), J, at.prior.residual(), 1e-10);
+  test::expect_the_same_when_relinearised(at.both);
 }
 
 // An inactive variable that is a landmark of the prior follows it exactly, however the scale moves.

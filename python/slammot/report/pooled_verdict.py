@@ -54,10 +54,10 @@ def between(estimate, unit=" m"):
     return f"{estimate['value']:.3g}{unit} [{estimate['lower']:.3g}, {estimate['upper']:.3g}]"
 
 
-def failures(estimators, aligned):
-    sentences = [f"{e.name}: {e.failed} of {e.runs} runs failed (error above {failure_bound(aligned)}), {e.diverged} diverged."
-                 for e in estimators if e.failed or e.diverged]
-    return [("Failed", sentences)] if sentences else []
+def failed_sentences(rows, aligned):
+    """Of rows (label, runs, failed, diverged); the bound once, behind the numbers."""
+    sentences = [f"{label}: {failed} of {runs} runs failed, {diverged} diverged." for label, runs, failed, diverged in rows if failed or diverged]
+    return [("Failed", [*sentences, f"A run has failed when its error is above {failure_bound(aligned)}."])] if sentences else []
 
 
 def warned(comparison):
@@ -114,5 +114,5 @@ def consistency_of(e):
 
 def findings(comparison):
     sentences = [s for s in map(consistency_of, comparison.estimators) if s]
-    return [*failures(comparison.estimators, comparison.aligned), *warned(comparison), *accuracy(comparison),
+    return [*failed_sentences([(e.name, e.runs, e.failed, e.diverged) for e in comparison.estimators], comparison.aligned), *warned(comparison), *accuracy(comparison),
             ("Consistency", sentences or ["Not judged: the truth is not exact, or a covariance is missing."])]

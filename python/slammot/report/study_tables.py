@@ -190,7 +190,7 @@ def summary_table(summary):
     classes = {(i, k + 2): of_cell[head][1] for i, (_, _, of_cell) in enumerate(cells) for k, head in enumerate(order) if head in of_cell}
     return Table(
         "Summary",
-        f"Over all runs; brackets: {INTERVALS}. Red: failed or diverged runs, and ANEES whose interval lies above "
+        f"Over all runs; brackets: {INTERVALS}. Orange: failed or diverged runs, and ANEES whose interval lies above "
         "what a consistent estimator has (in parentheses); blue: below. Frames inside: those whose ANEES, over the runs, lies in its two-sided 95% interval. "
         "A run has failed when its position error exceeds "
         f"{failure_bound(False)} (where the truth is measured: {failure_bound(True)}), has diverged when its state is no longer finite, and warns where its own numbers "

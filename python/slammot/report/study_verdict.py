@@ -1,9 +1,8 @@
 """A study in words, computed from its summary. Each finding is (heading, sentences)."""
 from . import ranking
 from ..judge.intervals import FEW
-from .pooled_verdict import NOT_DECIDED, anees_class, between, decided_sentence, is_tested, more_accurate
+from .pooled_verdict import NOT_DECIDED, anees_class, between, decided_sentence, failed_sentences, is_tested, more_accurate
 from .study_tables import error_name, error_of, estimators_of
-from .verdict import failure_bound
 
 MOST_GROUPS = 4  # that are named one by one
 POSE = 6  # degrees of freedom
@@ -18,14 +17,12 @@ def cells_called(summary, label):
 
 
 def failures(summary):
-    sentences = []
+    rows, aligned = [], False
     for label in labels(summary):
         cells = [cell for _, cell in cells_called(summary, label)]
-        runs, failed, diverged = (sum(n) for n in zip(*((c["runs"], len(c["lost"]), len(c["diverged"])) for c in cells)))
-        if failed or diverged:
-            bound = failure_bound(any(c.get("aligned") for c in cells))
-            sentences.append(f"{label}: {failed} of {runs} runs failed (error above {bound}), {diverged} diverged.")
-    return [("Failed", sentences)] if sentences else []
+        rows.append((label, *(sum(n) for n in zip(*((c["runs"], len(c["lost"]), len(c["diverged"])) for c in cells)))))
+        aligned = aligned or any(c.get("aligned") for c in cells)
+    return failed_sentences(rows, aligned)
 
 
 def warned(summary):

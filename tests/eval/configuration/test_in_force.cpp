@@ -130,25 +130,6 @@ class InForcePairs : public testing::TestWithParam<std::string> {
     return text;
   }
 
-  // All other options are off, or as by default.
-  void judge_pairs(const Settings& base) {
-    const std::vector<Option> options = options_of(GetParam());
-    for (std::size_t a = 0; a < options.size(); ++a) {
-      for (std::size_t b = a + 1; b < options.size(); ++b) {
-        for (const std::string& x : options[a].values) {
-          for (const std::string& y : options[b].values) {
-            Settings settings = base;
-            settings[options[a].key] = x;
-            settings[options[b].key] = y;
-            SCOPED_TRACE(GetParam() + text(settings));
-            judge(settings, options[a], x);
-            judge(settings, options[b], y);
-          }
-        }
-      }
-    }
-  }
-
   const Sequence sequence_ = simulate("circle",
                                       {{"frames", GetParam() == "ekf" ? "30" : "20"},
                                        {"static", GetParam() == "ekf" ? "150" : "100"},
@@ -158,10 +139,25 @@ class InForcePairs : public testing::TestWithParam<std::string> {
   std::map<Settings, Outcome> outcomes_;
 };
 
+// All other options are off, or as by default.
 TEST_P(InForcePairs, WhatIsStatedIsWhatActs) {
+  const std::vector<Option> options = options_of(GetParam());
   Settings off;
-  for (const Option& option : options_of(GetParam())) off[option.key] = option.values.front();
-  judge_pairs(off);
+  for (const Option& option : options) off[option.key] = option.values.front();
+  for (std::size_t a = 0; a < options.size(); ++a) {
+    for (std::size_t b = a + 1; b < options.size(); ++b) {
+      for (const std::string& x : options[a].values) {
+        for (const std::string& y : options[b].values) {
+          Settings settings = off;
+          settings[options[a].key] = x;
+          settings[options[b].key] = y;
+          SCOPED_TRACE(GetParam() + text(settings));
+          judge(settings, options[a], x);
+          judge(settings, options[b], y);
+        }
+      }
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, InForcePairs, testing::Values("ekf", "window"),

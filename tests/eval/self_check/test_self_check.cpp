@@ -12,11 +12,18 @@ constexpr int kFrames = 60;
 constexpr FrameCounts kGood{
     .accepted = 20, .accepted_static = 15, .rejected = 1, .out_of_view = 1, .joint_nis = 39.0};
 
-RunResult run_of(const FrameCounts& bad, int from) {
+FrameCounts with(void (*change)(FrameCounts&)) {
+  FrameCounts counts = kGood;
+  change(counts);
+  return counts;
+}
+
+// A run of good frames, of which those in [from, to) are others.
+RunResult run_of(const FrameCounts& bad, int from, int to = kFrames) {
   RunResult run;
   for (int i = 0; i < kFrames; ++i) {
     run.frames.push_back(i);
-    run.counts.push_back(i < from ? kGood : bad);
+    run.counts.push_back(from <= i && i < to ? bad : kGood);
   }
   return run;
 }
@@ -27,57 +34,68 @@ std::string only_reason(const RunResult& run) {
   return warnings.empty() ? "" : warnings.front().reason;
 }
 
-TEST(SelfCheck, AGoodRunHasNoWarning) { EXPECT_TRUE(self_check(run_of(kGood, 0)).empty()); }
+const FrameCounts kNoisy = with([](FrameCounts& c) { c.joint_nis = 120.0; });  // 6 a measurement
+// Noise that is stated three times too large makes a ninth of 2; this is 0.18.
+const FrameCounts kCalm = with([](FrameCounts& c) { c.joint_nis = 3.6; });
+const FrameCounts kRejected =
+    with([](FrameCounts& c) { c.rejected = 6; });  // of 27; 2 of 22 are none
+const FrameCounts kMoving = with([](FrameCounts& c) { c.accepted_static = 0; });
 
-TEST(SelfCheck, AFewBadFramesAreNone) {
-  FrameCounts bad = kGood;
-  bad.joint_nis = 100.0;
-  RunResult run = run_of(kGood, 0);
-  for (std::size_t i = 30; i < 35; ++i) run.counts[i] = bad;
-  EXPECT_TRUE(self_check(run).empty());
-}
+struct Case {
+  const char* law;
+  FrameCounts counts;
+  int from, to;
+  const char* reason;  // null: none
+};
 
-TEST(SelfCheck, JointNisTellsOfWrongNoise) {
-  FrameCounts bad = kGood;
-  bad.joint_nis = 120.0;  // 6 a measurement
-  const RunResult run = run_of(bad, 40);
-  EXPECT_THAT(only_reason(run), HasSubstr("joint NIS"));
-  EXPECT_GE(self_check(run).front().frame, 20);  // not before the trouble is in the sum
-}
+const Case kCases[] = {
+    {"a good run", kGood, 0, kFrames, nullptr},
+    {"a few bad frames", with([](FrameCounts& c) { c.joint_nis = 100.0; }), 30, 35, nullptr},
+    {"the joint NIS tells of wrong noise", kNoisy, 40, kFrames, "joint NIS"},
+    {"nearly three times too large", with([](FrameCounts& c) { c.joint_nis = 4.4; }), 0, kFrames,
+     nullptr},
+    {"noise that is too large in part of a run", kCalm, 40, kFrames, nullptr},
+    {"noise that is too large", kCalm, 0, kFrames, "more than three times too large"},
+    {"many rejected", kRejected, 20, kFrames, "wrong matches"},
+    {"what is not stated", with([](FrameCounts& c) { c.joint_nis = kUndefined; }), 0, kFrames,
+     nullptr},
+    {"nothing but what is not stated", {.joint_nis = kUndefined}, 0, kFrames, nullptr},
+    {"nothing used", {}, 25, kFrames, "no measurement was used"},
+    {"few static in view", with([](FrameCounts& c) { c.accepted_static = 4; }), 20, kFrames,
+     "static landmarks in view in 16 of 30"},
+    {"nothing static in view", kMoving, 30, 31, "none is static"},
+    {"nothing static yet, before labels are found", kMoving, 0, 5, nullptr},
+    {"a frame that measures nothing", {}, 40, 41, nullptr},
+    {"many movers, as half of the points of `circle`",
+     with([](FrameCounts& c) { c.accepted_static = 5; }), 0, kFrames, nullptr},
+    {"hardly anything used is static",
+     {.accepted = 60, .accepted_static = 5, .rejected = 1, .out_of_view = 1, .joint_nis = 118.0},
+     20,
+     kFrames,
+     "used in 30 frames are of static landmarks"},
+};
 
-// Noise that is stated three times too large makes a ninth of 2.
-TEST(SelfCheck, JointNisTellsOfNoiseThatIsTooLarge) {
-  FrameCounts calm = kGood;
-  calm.joint_nis = 4.4;  // 0.22 a measurement
-  EXPECT_TRUE(self_check(run_of(calm, 0)).empty());
-  calm.joint_nis = 3.6;
-  EXPECT_TRUE(self_check(run_of(calm, 40)).empty());  // part of a run
-  EXPECT_THAT(only_reason(run_of(calm, 0)), HasSubstr("more than three times too large"));
-}
-
-TEST(SelfCheck, ManyRejected) {
-  FrameCounts bad = kGood;
-  bad.rejected = 6;  // of 27; 2 of 22 are none
-  EXPECT_THAT(only_reason(run_of(bad, 20)), HasSubstr("wrong matches"));
+TEST(SelfCheck, OfTheCountsOfEachFrame) {
+  for (const Case& c : kCases) {
+    SCOPED_TRACE(c.law);
+    const RunResult run = run_of(c.counts, c.from, c.to);
+    if (c.reason) {
+      EXPECT_THAT(only_reason(run), HasSubstr(c.reason));
+    } else {
+      EXPECT_TRUE(self_check(run).empty());
+    }
+  }
+  EXPECT_EQ(self_check(run_of(kMoving, 30, 31)).front().frame, 30);
+  EXPECT_GE(self_check(run_of(kNoisy, 40)).front().frame, 20);  // once the trouble is in the sum
 }
 
 // As after a jump of the camera, of the clock or of the tracks; new tracks hide it again.
 TEST(SelfCheck, MostRejectedAtOnce) {
-  FrameCounts bad = kGood;
-  bad.accepted = bad.accepted_static = 7;
-  bad.rejected = 7;
-  bad.joint_nis = 14.0;
-  RunResult run = run_of(kGood, 0);
-  for (std::size_t i = 40; i < 45; ++i) run.counts[i] = bad;
+  const FrameCounts bad{
+      .accepted = 7, .accepted_static = 7, .rejected = 7, .out_of_view = 1, .joint_nis = 14.0};
+  const RunResult run = run_of(bad, 40, 45);
   EXPECT_THAT(only_reason(run), HasSubstr("at once"));
   EXPECT_EQ(self_check(run).front().frame, 40);
-}
-
-TEST(SelfCheck, WhatIsNotStatedIsNoReason) {
-  FrameCounts unstated = kGood;
-  unstated.joint_nis = kUndefined;
-  EXPECT_TRUE(self_check(run_of(unstated, 0)).empty());
-  EXPECT_TRUE(self_check(run_of({.joint_nis = kUndefined}, 0)).empty());
 }
 
 TEST(SelfCheck, AllOnOneLine) {
@@ -103,59 +121,14 @@ TEST(SelfCheck, AGapInTime) {
   EXPECT_THAT(warnings.front().reason, HasSubstr("no frame for 5 s"));
 }
 
-TEST(SelfCheck, NothingUsed) {
-  EXPECT_THAT(only_reason(run_of(FrameCounts{}, 25)), HasSubstr("no measurement was used"));
-}
-
-TEST(SelfCheck, FewStaticInView) {
-  FrameCounts bad = kGood;
-  bad.accepted_static = 4;
-  EXPECT_THAT(only_reason(run_of(bad, 20)), HasSubstr("static landmarks in view in 16 of 30"));
-}
-
-TEST(SelfCheck, NothingStaticInView) {
-  FrameCounts bad = kGood;
-  bad.accepted_static = 0;
-  RunResult run = run_of(kGood, 0);
-  run.counts[30] = bad;
-  EXPECT_THAT(only_reason(run), HasSubstr("none is static"));
-  EXPECT_EQ(self_check(run).front().frame, 30);
-}
-
-// Before labels are found, and through frames that measure nothing.
-TEST(SelfCheck, NothingStaticYetOrNothingAtAllIsNoReason) {
-  FrameCounts not_yet = kGood;
-  not_yet.accepted_static = 0;
-  RunResult run = run_of(kGood, 0);
-  for (std::size_t i = 0; i < 5; ++i) run.counts[i] = not_yet;
-  run.counts[40] = FrameCounts{};
-  EXPECT_TRUE(self_check(run).empty());
-}
-
 // Where the camera turns into a part of the scene that is full of movers.
 TEST(SelfCheck, FewStaticInMostFrames) {
-  FrameCounts bad = kGood;
-  bad.accepted_static = 3;
+  const FrameCounts bad = with([](FrameCounts& c) { c.accepted_static = 3; });
   RunResult run = run_of(kGood, 0);
   for (std::size_t i = 20; i < 50; i += 2) run.counts[i] = bad;
   EXPECT_TRUE(self_check(run).empty());  // half
   run.counts[35] = bad;
   EXPECT_THAT(only_reason(run), HasSubstr("static landmarks in view"));
-}
-
-TEST(SelfCheck, HardlyAnythingUsedIsStatic) {
-  FrameCounts bad = kGood;
-  bad.accepted = 60;
-  bad.accepted_static = 5;
-  bad.joint_nis = 118.0;
-  EXPECT_THAT(only_reason(run_of(bad, 20)), HasSubstr("used in 30 frames are of static landmarks"));
-}
-
-// A scene half of whose points move, as `circle` is, is none that is lost.
-TEST(SelfCheck, ManyMoversAreNoReason) {
-  FrameCounts half = kGood;
-  half.accepted_static = 5;
-  EXPECT_TRUE(self_check(run_of(half, 0)).empty());
 }
 
 RunResult with_labels(int resting, int moving, int unknown) {
@@ -180,14 +153,12 @@ TEST(SelfCheck, LabelsHaveCollapsed) {
             "moving: unless most do move, the labels have collapsed");
 }
 
-TEST(SelfCheck, LabelsThatNobodyDecidedSayNothingOfTheOthers) {
+// Labels that nobody decided say nothing of the others, and few say nothing at all.
+TEST(SelfCheck, OnlyManyDecidedLabelsTell) {
   RunResult run = with_labels(50, 21, 0);
   EXPECT_TRUE(self_check(run).empty());
   for (std::size_t i = 0; i < 41; ++i) run.landmarks[i].estimate.by_rule = true;
   EXPECT_THAT(only_reason(run), HasSubstr("21 are called moving"));
-}
-
-TEST(SelfCheck, AFewLabelsSayNothing) {
   EXPECT_TRUE(self_check(with_labels(0, 19, 100)).empty());
   EXPECT_FALSE(self_check(with_labels(0, 20, 0)).empty());
 }
@@ -215,26 +186,17 @@ RunResult first_frames_of(RunResult run, std::size_t frames) {
   return run;
 }
 
-TEST(SelfCheck, ARunTooShortToJudgeIsNotJudged) {
-  EXPECT_TRUE(self_check(first_frames_of(run_of(FrameCounts{}, 0), 9)).empty());
-}
-
 // Ten to thirty frames are one sum.
-TEST(SelfCheck, AShortRunIsJudgedAsAWhole) {
+TEST(SelfCheck, AShortRunIsJudgedAsAWholeAndAShorterOneIsNot) {
   const auto reason = [](const FrameCounts& bad, std::size_t frames) {
     return only_reason(first_frames_of(run_of(bad, 0), frames));
   };
+  EXPECT_TRUE(self_check(first_frames_of(run_of({}, 0), 9)).empty());
   EXPECT_TRUE(self_check(first_frames_of(run_of(kGood, 0), 10)).empty());
-  EXPECT_THAT(reason(FrameCounts{}, 10), HasSubstr("no measurement was used for 10 frames"));
-  FrameCounts bad = kGood;
-  bad.joint_nis = 120.0;
-  EXPECT_THAT(reason(bad, 10), HasSubstr("over 10 frames: the stated noise is too small"));
-  bad = kGood;
-  bad.rejected = 6;
-  EXPECT_THAT(reason(bad, 20), HasSubstr("20 frames were rejected"));
-  bad = kGood;
-  bad.accepted_static = 0;
-  EXPECT_THAT(reason(bad, 29), HasSubstr("static landmarks in view in 29 of 29 frames"));
+  EXPECT_THAT(reason({}, 10), HasSubstr("no measurement was used for 10 frames"));
+  EXPECT_THAT(reason(kNoisy, 10), HasSubstr("over 10 frames: the stated noise is too small"));
+  EXPECT_THAT(reason(kRejected, 20), HasSubstr("20 frames were rejected"));
+  EXPECT_THAT(reason(kMoving, 29), HasSubstr("static landmarks in view in 29 of 29 frames"));
   RunResult line = first_frames_of(run_of(kGood, 0), 12);
   line.ray_spread.assign(12, 1.0);
   EXPECT_THAT(only_reason(line), HasSubstr("in 12 of 12 frames"));
