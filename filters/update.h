@@ -64,7 +64,7 @@ void update(JointState& state, Devices& devices, const Camera& camera, double pi
             int iterations, Innovation& innovation);
 
 // After update(), and once: the NIS of each of its measurements given all the others of them, its
-// leave-one-out innovation. With a = S^-1 nu and B = S^-1, a_i' B_ii^-1 a_i (docs/filter.md#gate):
+// leave-one-out innovation. With a = S^-1 nu and B = S^-1, a_i' B_ii^-1 a_i (docs/filter.md, Gate):
 // what all of them share, above all the camera's motion, is not in it.
 void nis_given_others(Innovation& innovation, std::vector<double>& nis);
 

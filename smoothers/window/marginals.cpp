@@ -53,7 +53,7 @@ CameraEstimate Marginals::camera() {
 }
 
 // With r the residual that is left and I - J P J' its covariance, r' (I - J P J')^-1 r is the NIS
-// given all other measurements, as the EKF has it from its innovations (docs/filter.md#gate).
+// given all other measurements, as the EKF has it from its innovations (docs/filter.md, Gate).
 void Marginals::leave_one_out(std::span<const int> tracks, std::vector<LeaveOneOut>& result) {
   result.clear();
   prepare(tracks);
