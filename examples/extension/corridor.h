@@ -1,8 +1,8 @@
 // A scenario: its options, their parameters, and a function of options and seed.
 #pragma once
 
-#include <slammot/datasets/simulation/scenario.h>
 #include <slammot/datasets/simulation/random/random_stream.h>
+#include <slammot/datasets/simulation/scenario.h>
 #include <slammot/datasets/simulation/scene/recording.h>
 #include <slammot/datasets/simulation/scene/statements.h>
 

@@ -92,7 +92,7 @@ class LandmarkBlock {
 
   GrowingMatrix Z_, ZV_;  // rows x private states
   LandmarkMatrix V_;      // then its inverse
-  LandmarkVector u_;      // of the private states: their step where the core stays
+  LandmarkVector u_;      // of the private states: minus their step where the core stays
   Eigen::VectorXd e_;     // of the rows: P times the residual
   mutable GrowingMatrix PS_;
   mutable GrowingMatrix gain_;  // states x rows
