@@ -18,7 +18,7 @@ LINKED = [*PAGES, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
 MOST_WORDS_OF_ALL = 20000
 MOST_WORDS_OF_A_SENTENCE = 40
 
-RESULTS = re.compile(r"(<!-- results: (?P<study>[\w-]+)/(?P<file>[\w.-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
+RESULTS = re.compile(r"(<!-- results: (?P<study>[\w-]+)/(?P<file>[\w.-]+(?:#1)?) -->\n).*?(<!-- end -->)", re.DOTALL)
 CONSOLE = re.compile(r"(^```console\n)(.*?)(^```\n)", re.MULTILINE | re.DOTALL)
 FENCED = re.compile(r"^```.*?^```\n", re.MULTILINE | re.DOTALL)
 CODE = re.compile(r"`[^`]*`")

@@ -99,7 +99,9 @@ class Repository(unittest.TestCase):
         self.assertEqual(results.fill(self.root), [page])
         self.assertEqual(page.read_text(), "before\n\n<!-- results: a/table.md -->\n\n| a |\n\n<!-- end -->\nafter\n")
         self.assertEqual(results.fill(self.root), [])
-        for text, reason in (("<!-- results: c/table.md --><!-- end -->", "results/c/table.md is not recorded"), ("<!-- results: a/table.md -->", "no <!-- end -->"),
+        self.write("results/a/table.md", "| a |\n\n| b |\n\nwords\n")
+        self.assertEqual(results.content(self.root, page, "a/table.md#1"), "| a |\n\nwords")
+        for text, reason in (("<!-- results: a/table.md#2 --><!-- end -->", "is not recorded"), ("<!-- results: c/table.md --><!-- end -->", "results/c/table.md is not recorded"), ("<!-- results: a/table.md -->", "no <!-- end -->"),
                              ("<!-- results: ../README.md --><!-- end -->", "is not recorded")):
             self.write("docs/page.md", text)
             with self.assertRaisesRegex(results.Refused, reason):
