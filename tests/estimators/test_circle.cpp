@@ -1,7 +1,5 @@
-// The default scenario, shortened, at the defaults, with a third of the first frame's map moving,
-// which the thesis's rule takes for static (figure 4.5): the run starts over without wrong labels,
-// so that their damage goes (estimation/test_frame_loop.cpp). On 50 seeds:
-// eval/studies/believable.yaml; beside other rules for the first frame: first_frame.yaml.
+// The default scenario, shortened, with a third of the map of the first frame moving. The run
+// starts over without wrong labels (test_loop_labels.cpp). Studies: believable, first_frame.
 #include <gtest/gtest.h>
 
 #include "datasets/simulation/scenario.h"

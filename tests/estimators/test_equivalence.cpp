@@ -1,5 +1,5 @@
-// A window of one frame and one Gauss-Newton step is the EKF; a window as long as the sequence is
-// the batch. With births, classifications and deaths of landmarks.
+// A window of one frame and one Gauss-Newton step is the EKF, with births, classifications and
+// deaths of landmarks. One of all frames: test_whole_sequence.cpp.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -10,7 +10,6 @@
 #include "eval/configuration/setup.h"
 #include "filters/ekf.h"
 #include "models/landmarks/landmark_models.h"
-#include "smoothers/batch.h"
 #include "smoothers/window/window.h"
 #include "tests/estimators/fixture/linearisation_fixture.h"
 #include "tests/paths.h"
@@ -18,7 +17,9 @@
 namespace slammot {
 namespace {
 
+using test::expect_same_labels;
 using test::relative_difference;
+using test::uneven;
 
 struct Case {
   std::string landmark, collapse, classifier;
@@ -50,24 +51,7 @@ void expect_same(const FrameReport& a, const FrameReport& b, double rounding = 1
     ASSERT_LT((p.pixel - q.pixel).norm(), bar(1e-7) * std::sqrt(p.S.norm()));
     ASSERT_LT(relative_difference(q.S, p.S), bar(1e-7)) << p.track << "\n" << p.S << "\n" << q.S;
   }
-  ASSERT_EQ(a.retired.size(), b.retired.size());
-  for (std::size_t i = 0; i < a.retired.size(); ++i) {
-    ASSERT_EQ(a.retired[i].track, b.retired[i].track);
-    ASSERT_EQ(a.retired[i].label, b.retired[i].label);
-    ASSERT_EQ(a.retired[i].observations, b.retired[i].observations);
-    ASSERT_EQ(a.retired[i].decision_frame, b.retired[i].decision_frame);
-    ASSERT_EQ(a.retired[i].last_frame, b.retired[i].last_frame);
-  }
-}
-
-// No two measurements of a frame need be equally exact.
-Sequence uneven(Sequence sequence) {
-  for (Frame& frame : sequence.frames) {
-    for (Observation& z : frame.observations) {
-      z.relative_sigma = 0.8 + 0.2 * ((z.track + frame.index) % 5);
-    }
-  }
-  return sequence;
+  expect_same_labels(a.retired, b.retired);
 }
 
 DepthPriorSource source_of(const std::string& name) {
@@ -106,15 +90,6 @@ void compare_landmarks(const Estimator& ekf, const Estimator& window, Difference
     const Eigen::Vector3d sigma = landmarks[i].position_covariance.diagonal().cwiseSqrt();
     const Eigen::Vector3d moved = same[i].position - landmarks[i].position;
     d.landmark = std::max(d.landmark, moved.cwiseQuotient(sigma).cwiseAbs().maxCoeff());
-  }
-}
-
-void expect_same_labels(const std::vector<LandmarkEstimate>& a,
-                        const std::vector<LandmarkEstimate>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ASSERT_EQ(a[i].track, b[i].track);
-    ASSERT_EQ(a[i].label, b[i].label) << a[i].track;
   }
 }
 
@@ -235,11 +210,8 @@ INSTANTIATE_TEST_SUITE_P(Models, OneFrameOf, testing::ValuesIn(cases()), [](cons
 
 // README's sentence: at the defaults, with nothing switched off but those devices, a difference in
 // the result is one between filtering and smoothing.
-struct AtTheDefaults {
-  std::string sequence, landmark;
+class OneFrameAtTheDefaults : public testing::TestWithParam<std::tuple<std::string, std::string>> {
 };
-
-class OneFrameAtTheDefaults : public testing::TestWithParam<AtTheDefaults> {};
 
 std::optional<Sequence> sequence_of(const std::string& name) {
   if (name != "recording") return simulate(name, {{"frames", kFrames}}, 3);
@@ -250,14 +222,15 @@ std::optional<Sequence> sequence_of(const std::string& name) {
 }
 
 TEST_P(OneFrameAtTheDefaults, AndOneStepIsTheEkf) {
-  const std::optional<Sequence> sequence = sequence_of(GetParam().sequence);
+  const auto& [name, landmark] = GetParam();
+  const std::optional<Sequence> sequence = sequence_of(name);
   if (!sequence) GTEST_SKIP() << "no recording";
   Configuration configuration;
-  configuration.model.landmark = GetParam().landmark;
+  configuration.model.landmark = landmark;
   const slammot::Setup setup = make_setup(*sequence, configuration);
   // On a road depths are a hundred times those of a room, and a covariance and a triangle of
   // information round apart: 3e-8 sigma is seen.
-  const double rounding = GetParam().sequence == "recording" ? 1000.0 : 1.0;
+  const double rounding = name == "recording" ? 1000.0 : 1.0;
   Difference d;
   compare(*sequence, *make_ekf(setup, without_gauge(configuration.model), without_devices()),
           *make_window(setup, configuration.model, one_frame_and_step()), d, rounding);
@@ -266,23 +239,16 @@ TEST_P(OneFrameAtTheDefaults, AndOneStepIsTheEkf) {
   EXPECT_LT(d.landmark, rounding * 1e-9);
   EXPECT_GT(d.born, 50);
   EXPECT_GT(d.dead, 5);
-  if (find_landmark(GetParam().landmark, configuration.model.point).can_move) {
+  if (find_landmark(landmark, configuration.model.point).can_move) {
     EXPECT_GT(d.decided, 10);
   }
 }
 
-std::vector<AtTheDefaults> all_at_the_defaults() {
-  std::vector<AtTheDefaults> all;
-  for (const char* sequence : {"circle", "square", "recording"}) {
-    for (const std::string& landmark : names_of(landmark_list()))
-      all.push_back({sequence, landmark});
-  }
-  return all;
-}
-
-INSTANTIATE_TEST_SUITE_P(Sequences, OneFrameAtTheDefaults, testing::ValuesIn(all_at_the_defaults()),
+INSTANTIATE_TEST_SUITE_P(Sequences, OneFrameAtTheDefaults,
+                         testing::Combine(testing::Values("circle", "square", "recording"),
+                                          testing::ValuesIn(names_of(landmark_list()))),
                          [](const auto& tested) {
-                           return tested.param.sequence + "_" + tested.param.landmark;
+                           return std::get<0>(tested.param) + "_" + std::get<1>(tested.param);
                          });
 
 TEST(ManySteps, MakeItTheIteratedEkf) {
@@ -313,95 +279,6 @@ TEST(ManySteps, MakeItTheIteratedEkf) {
   }
   std::printf("largest difference of the state: %.2g sigma\n", worst);
   EXPECT_LT(worst, 1e-4);
-}
-
-void expect_the_batch(const Sequence& sequence, const slammot::Setup& setup,
-                      const ModelOptions& models, const WindowOptions& whole) {
-  const auto window = make_window(setup, models, whole);
-  const auto batch = make_batch(setup, models, whole);
-  NoStages stages;
-  for (const Frame& frame : sequence.frames) {
-    window->process(frame, stages);
-    batch->process(frame, stages);
-  }
-  const auto a = window->smoothed(stages), b = batch->smoothed(stages);
-  ASSERT_EQ(a.size(), sequence.frames.size());
-  ASSERT_EQ(b.size(), sequence.frames.size());
-  double worst_state = 0.0, worst_covariance = 0.0;
-  for (std::size_t i = 1; i < a.size(); ++i) {
-    const Vector12d d = boxminus(a[i].state, b[i].state);
-    const Vector12d sigma = b[i].covariance.diagonal().cwiseSqrt();
-    worst_state = std::max(worst_state, d.cwiseQuotient(sigma).cwiseAbs().maxCoeff());
-    worst_covariance =
-        std::max(worst_covariance, relative_difference(a[i].covariance, b[i].covariance));
-  }
-  std::printf("largest difference: state %.2g sigma, covariance %.2g\n", worst_state,
-              worst_covariance);
-  EXPECT_LT(worst_state, 1e-4);
-  EXPECT_LT(worst_covariance, 1e-4);
-}
-
-class WholeSequence : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(DepthPrior, WholeSequence, testing::Values("fixed", "empirical"));
-
-TEST_P(WholeSequence, WindowIsTheBatch) {
-  const Sequence sequence = uneven(simulate("circle", {{"frames", "20"}}, 2));
-  const slammot::Setup setup = make_setup(sequence, Configuration{});
-  ModelOptions models;
-  models.classifier.name = "truth";
-  models.depth_prior = source_of(GetParam());
-  WindowOptions whole;
-  whole.frames = 1000;
-  whole.iterations = 40;
-  whole.linearisation_error = 1e-10;
-  expect_the_batch(sequence, setup, models, whole);
-}
-
-// Where only the first velocity tells the scale both take the camera's noise in metres, in the cost
-// and in the covariance; our own solver does not (noise_scale.h).
-TEST(WholeSequenceOnCeres, WindowIsTheBatchWhereOnlyTheVelocityTellsTheScale) {
-  const Sequence sequence = simulate("circle", {{"frames", "12"}, {"known", "0"}}, 2);
-  Configuration configuration;
-  assign(configuration, {"prior.mean_sigma", "1"});
-  assign(configuration, {"prior.spread", "relative"});
-  ModelOptions models = configuration.model;
-  models.classifier.name = "truth";
-  WindowOptions whole;
-  whole.frames = 1000;
-  whole.solver = WindowSolver::kCeres;
-  expect_the_batch(sequence, make_setup(sequence, configuration), models, whole);
-}
-
-// Where nothing moves it is one cost in other coordinates: only the way to its minimum differs.
-TEST(Batch, HasOneMinimumInEveryParametrisation) {
-  const Sequence sequence = simulate("circle", {{"frames", "20"}, {"moving", "0"}}, 2);
-  const slammot::Setup setup = make_setup(sequence, Configuration{});
-  ModelOptions models;
-  models.landmark = "inverse_depth";
-  models.depth_prior = DepthPriorSource::kFixed;
-  models.adaptive_motion = false;  // it follows the window's estimates on the way
-  models.gate = {0.999999, 1.0};
-  std::vector<CameraEstimate> first;
-  for (const PointFunctions& point : point_table()) {
-    SCOPED_TRACE(point.name);
-    models.point = point.name;
-    const auto batch = make_batch(setup, models, {});
-    NoStages stages;
-    int rejected = 0;
-    for (const Frame& frame : sequence.frames) rejected += batch->process(frame, stages).rejected;
-    EXPECT_EQ(rejected, 0);
-    const std::vector<CameraEstimate> cameras = batch->smoothed(stages);
-    ASSERT_EQ(cameras.size(), sequence.frames.size());
-    if (first.empty()) first = cameras;
-    double worst = 0.0;
-    for (std::size_t i = 1; i < cameras.size(); ++i) {
-      const Vector12d d = boxminus(cameras[i].state, first[i].state);
-      const Vector12d sigma = first[i].covariance.diagonal().cwiseSqrt();
-      worst = std::max(worst, d.cwiseQuotient(sigma).cwiseAbs().maxCoeff());
-    }
-    std::printf("%s: largest difference %.2g sigma\n", std::string(point.name).c_str(), worst);
-    EXPECT_LT(worst, 1e-3);
-  }
 }
 
 }  // namespace

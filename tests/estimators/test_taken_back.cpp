@@ -1,7 +1,6 @@
-// A label that is taken back takes its damage back. A classifier that errs on purpose calls
-// movers static at its first answer, every third or all of them, and then asks the odds as it
-// should. With labels.memory the error of every third is that of a run in which it never erred.
-// Without, what all of them did stays in the map.
+// A label that is taken back takes its damage back. A classifier calls movers static at its first
+// answer, every third or all of them, and then asks the odds. With labels.memory the error of every
+// third is that of a run in which it never erred. Without, what all did stays in the map.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -55,9 +54,8 @@ class TakenBack : public testing::TestWithParam<std::string> {
     ASSERT_TRUE(added);
   }
 
-  // Of the position, root mean square over the frames [m]; the median of the runs. A mean would be
-  // that of one run: the EKF loses its way on seed 7 (0.65 m) with or without the mistakes, by
-  // chance.
+  // Of the position, root mean square over the frames [m]; the median of the runs, since the EKF
+  // loses its way on seed 7 with or without the mistakes.
   static double error(const std::string& classifier, Configuration configuration) {
     configuration.model.classifier.name = classifier;
     std::vector<double> errors;

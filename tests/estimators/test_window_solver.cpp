@@ -14,6 +14,7 @@
 namespace slammot {
 namespace {
 
+using test::expect_same_labels;
 using test::relative_difference;
 
 std::unique_ptr<Estimator> window_with(WindowSolver solver, const Sequence& sequence,
@@ -24,17 +25,6 @@ std::unique_ptr<Estimator> window_with(WindowSolver solver, const Sequence& sequ
   configuration.model.labels.first_frame = FirstFrameLabels::kStatic;  // every frame is solved once
   return make_window(make_setup(sequence, configuration), configuration.model,
                      configuration.window);
-}
-
-void expect_same_labels(const std::vector<LandmarkEstimate>& a,
-                        const std::vector<LandmarkEstimate>& b) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ASSERT_EQ(a[i].track, b[i].track);
-    ASSERT_EQ(a[i].label, b[i].label) << "track " << a[i].track;
-    ASSERT_EQ(a[i].decision_frame, b[i].decision_frame) << "track " << a[i].track;
-    ASSERT_EQ(a[i].observations, b[i].observations) << "track " << a[i].track;
-  }
 }
 
 // In all frames but the first few, where depths are hardly known: both go on for as many iterations
