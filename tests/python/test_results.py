@@ -55,7 +55,7 @@ class Repository(unittest.TestCase):
 
     def commit(self):
         self.git("add", "-A")
-        self.git("commit", "-q", "-m", "x")
+        self.git("commit", "-q", "--allow-empty", "-m", "x")
         return self.git("rev-parse", "HEAD")
 
     def record(self, name, commit, modified=False):
@@ -72,21 +72,21 @@ class Repository(unittest.TestCase):
         self.assertEqual([results.state(self.root, name) for name in "abc"],
                          ["up to date", "stale: made of files that no commit has", "stale: its study is gone"])
         self.assertRegex(results.listed(self.root), r"(?m)^a +1\.50 +50 +\w{40} +up to date$")
-        self.write("eval/studies/a.yaml", "another")
-        self.commit()
-        self.assertEqual(results.state(self.root, "a"), "stale: the code or the study has changed")
+        stale, words = "stale: the code or the study has changed", "words of a page only"
+        for file, was, text, state in (("eval/studies/a.yaml", "a", "another", stale), ("eval/x.cpp", "x", "y", stale),
+                                       ("eval/x.cpp", "y", "#include <map>\ny  // why\n", "up to date"), ("eval/x.cpp", "y", 'y "// text"', stale),
+                                       ("python/slammot/judge/x.py", f'"{words}", "RMSE [m]"', f'"other {words}", "RMSE [m]"', "up to date"),
+                                       ("python/slammot/judge/x.py", f'"{words}", "RMSE [m]"', f'"{words}", "error [m]"', stale)):
+            self.write(file, was)
+            self.record("a", self.commit())
+            self.write(file, text)
+            self.commit()
+            self.assertEqual(results.state(self.root, "a"), state, text)
         self.record("a", self.git("rev-parse", "HEAD"))
-        self.write("eval/x.cpp", "y")
-        self.commit()
-        self.assertEqual(results.state(self.root, "a"), "stale: the code or the study has changed")
-        self.record("a", self.git("rev-parse", "HEAD"))
-        self.write("eval/there/x.cpp", "#include <map>\ny  // why\n")
+        self.write("eval/there/x.cpp", (self.root / "eval/x.cpp").read_text())
         (self.root / "eval/x.cpp").unlink()
         self.commit()
-        self.assertEqual(results.state(self.root, "a"), "up to date")  # neither a comment nor a place changes a figure
-        self.write("eval/x.cpp", 'y "// text"')
-        self.commit()
-        self.assertEqual(results.state(self.root, "a"), "stale: the code or the study has changed")
+        self.assertEqual(results.state(self.root, "a"), "up to date")  # its place changes no figure
         self.record("a", "0" * 40)
         self.assertEqual(results.state(self.root, "a"), "stale: its commit is not known here")
 
