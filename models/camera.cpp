@@ -64,7 +64,9 @@ namespace {
 template <std::size_t I = 0>
 LensModel find_lens(std::string_view name, std::span<const double> distortion) {
   if constexpr (I == std::variant_size_v<LensModel>) {
-    throw std::invalid_argument("unknown camera model '" + std::string(name) + "'");
+    throw std::invalid_argument("unknown camera model '" + std::string(name) +
+                                "' (known: pinhole, radtan, which others call plumb_bob or "
+                                "Brown-Conrady, and equidistant, also called fisheye)");
   } else {
     using Lens = std::variant_alternative_t<I, LensModel>;
     if (name != Lens::kName) return find_lens<I + 1>(name, distortion);

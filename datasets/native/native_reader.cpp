@@ -4,6 +4,7 @@
 #include "datasets/native/native_settings.h"
 #include "datasets/native/native_tables.h"
 #include "datasets/output/output_files.h"
+#include "datasets/sequence/sequence_hints.h"
 #include "datasets/sequence/sha256.h"
 #include "datasets/text/text_table.h"
 
@@ -55,14 +56,22 @@ Source observations_of(Folder& folder, const Sequence& sequence) {
   throw InputError(sequence.folder / native::kObservations, 0, reason);
 }
 
+void read_true_poses(Folder& folder, Sequence& sequence) {
+  const auto source = folder.optional(native::kGroundTruth);
+  if (!source) return;
+  const std::vector<TimedPose> poses = read_poses(source->file, source->text);
+  sequence.truth = true_cameras(poses, sequence.frames);
+  sequence.hints = truth_hints(source->file, poses, sequence);
+}
+
 void read_truth(Folder& folder, Sequence& sequence) {
-  const auto poses = folder.optional(native::kGroundTruth);
-  if (poses) sequence.truth = match_truth(read_poses(poses->file, poses->text), sequence.frames);
+  read_true_poses(folder, sequence);
   const auto landmarks = folder.optional(native::kLandmarks);
   if (landmarks) {
     sequence.landmarks = read_landmarks(landmarks->file, landmarks->text, sequence.frames.size());
   }
-  sequence.exact_truth = poses && landmarks;  // only simulation knows every landmark
+  sequence.exact_truth =
+      !sequence.truth.empty() && landmarks;  // only simulation knows every landmark
 }
 
 void read_first_camera(Folder& folder, Sequence& sequence) {
@@ -84,6 +93,8 @@ Sequence read_native(const std::filesystem::path& path) {
     sequence.known = read_known(known->file, known->text);
   }
   read_first_camera(folder, sequence);
+  for (std::string& hint : frame_hints(sequence)) sequence.hints.push_back(std::move(hint));
+  if (auto hint = leave_out_rayless(sequence)) sequence.hints.push_back(std::move(*hint));
   sequence.sha256 = folder.sha256();
   return sequence;
 }
@@ -95,8 +106,7 @@ Sequence read_native_images(const std::filesystem::path& path) {
   if (sequence.images.empty()) {
     throw InputError(path / native::kFrames, 1, "there is no column 'image'");
   }
-  const auto poses = folder.optional(native::kGroundTruth);
-  if (poses) sequence.truth = match_truth(read_poses(poses->file, poses->text), sequence.frames);
+  read_true_poses(folder, sequence);
   read_first_camera(folder, sequence);
   return sequence;
 }

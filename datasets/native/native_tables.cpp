@@ -102,7 +102,7 @@ std::vector<TimedPose> read_poses(const std::filesystem::path& file, std::string
     const double timestamp = table.real(0);
     table.refuse_if(poses.empty() ? time_fault(timestamp)
                                   : order_fault(poses.back().timestamp, timestamp));
-    poses.push_back({timestamp, vector_at(table, 1), q});
+    poses.push_back({timestamp, vector_at(table, 1), q, table.line()});
   }
   return poses;
 }

@@ -50,7 +50,7 @@ void read_cameras(TextTable& table, Sequence& sequence) {
     poses.push_back(read_pose(table));
     sequence.frames.push_back({i, i / kRate, {}});
   }
-  sequence.truth = match_truth(poses, sequence.frames);
+  sequence.truth = true_cameras(poses, sequence.frames);
 }
 
 // One line `k, (u, v)` or `k, (X, Y, Z), (u, v)`.
@@ -165,7 +165,7 @@ bool is_author(const std::filesystem::path& folder) {
   if (!std::filesystem::is_regular_file(folder / kFile)) return false;  // a pipe would block
   std::ifstream stream(folder / kFile);
   std::string line;
-  return std::getline(stream, line) && line.starts_with(kBeginning);
+  return std::getline(stream, line) && without_byte_order_mark(line).starts_with(kBeginning);
 }
 
 }  // namespace slammot

@@ -60,7 +60,7 @@ CameraSensor read_sensor(const Path& file) {
 
 std::vector<TimedPose> read_body_poses(const Path& file, const Eigen::Isometry3d& T_body_camera) {
   const std::string text = read_text_file(file);
-  const std::string_view first = std::string_view(text).substr(0, text.find('\n'));
+  const std::string_view first = std::string_view(text).substr(0, text.find_first_of("\r\n"));
   const auto columns = static_cast<size_t>(1 + std::count(first.begin(), first.end(), ','));
   TextTable table(file, text);
   if (columns < 8) throw InputError(file, 1, "expected a time, a position and a quaternion");
@@ -99,8 +99,7 @@ Sequence read_euroc(const Path& folder) {
   for (const char* name : {"state_groundtruth_estimate0", "mocap0"}) {
     const Path truth = mav / name / "data.csv";
     if (!std::filesystem::exists(truth)) continue;
-    sequence.truth =
-        interpolate_truth(read_body_poses(truth, sensor.T_body_camera), sequence.frames);
+    sequence.truth = true_cameras(read_body_poses(truth, sensor.T_body_camera), sequence.frames);
     break;
   }
   return sequence;

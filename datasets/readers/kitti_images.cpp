@@ -99,7 +99,7 @@ Sequence read_kitti(const Path& folder) {
   sequence.camera = rectified.camera;
   if (const auto poses = poses_file(sequence)) {
     sequence.truth =
-        match_truth(read_pose_rows(*poses, rectified.offset, sequence.frames), sequence.frames);
+        true_cameras(read_pose_rows(*poses, rectified.offset, sequence.frames), sequence.frames);
   }
   return sequence;
 }

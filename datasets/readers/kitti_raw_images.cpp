@@ -61,7 +61,7 @@ std::vector<std::optional<CameraState>> camera_truth(const Sequence& sequence, c
   rectify.linear() = rotation(cameras, "R_rect_00");
   rectify.translation() = offset;
   const Eigen::Isometry3d T_camera_imu = rectify * rigid(*velo_to_cam) * rigid(*imu_to_velo);
-  return interpolate_truth(camera_poses(read_oxts(oxts), T_camera_imu), sequence.frames);
+  return true_cameras(camera_poses(read_oxts(oxts), T_camera_imu), sequence.frames);
 }
 
 }  // namespace

@@ -49,7 +49,14 @@ Fault pixel_fault(const Camera& camera, const Eigen::Vector2d& pixel) {
 
 Fault time_fault(double time) {
   if (std::abs(time) <= kLatest) return std::nullopt;
-  return fmt::format("a time of {} s is not plausible", time);
+  return fmt::format("a time of {} s is not plausible; are these {}?", time,
+                     unit_of_time(time, kLatest).name);
+}
+
+const TimeUnit& unit_of_time(double value, double largest) {
+  return *std::ranges::find_if(kTimeUnits, [&](const TimeUnit& unit) {
+    return std::abs(value) / unit.per_second <= largest || &unit == &kTimeUnits.back();
+  });
 }
 
 Fault order_fault(double before, double time) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <optional>
 #include <string>
 
@@ -15,6 +16,17 @@ using Fault = std::optional<std::string>;
 // image size outside the image. A camera of unknown size (0, 0) needs a positive focal length only.
 Fault camera_fault(const Camera& camera);
 Fault pixel_fault(const Camera& camera, const Eigen::Vector2d& pixel);
+
+// Units in which others write times.
+struct TimeUnit {
+  const char* name;
+  double per_second;
+};
+inline constexpr std::array<TimeUnit, 3> kTimeUnits{{{"milliseconds (seconds times 1000)", 1e3},
+                                                     {"microseconds (seconds times 1e6)", 1e6},
+                                                     {"nanoseconds (seconds times 1e9)", 1e9}}};
+// The first in which `value` is at most `largest` seconds; the last if none is.
+const TimeUnit& unit_of_time(double value, double largest);
 
 Fault time_fault(double time);                  // [s]
 Fault order_fault(double before, double time);  // which must increase

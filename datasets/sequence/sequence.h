@@ -35,7 +35,8 @@ struct Sequence {
   std::map<int, TrueLandmark> landmarks;          // by track
   std::vector<KnownLandmark> known;
   std::optional<InitialCamera> initial;
-  bool exact_truth = false;  // true for simulated data, where NEES means something
+  bool exact_truth = false;        // true for simulated data, where NEES means something
+  std::vector<std::string> hints;  // what its reader found hardly meant, see sequence_hints.h
   std::filesystem::path folder;
   std::string sha256;  // of the files read, in the order of FORMATS
 };

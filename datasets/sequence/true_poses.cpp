@@ -7,70 +7,63 @@
 namespace slammot {
 namespace {
 
-template <typename Timed>
-std::optional<double> median_interval(const std::vector<Timed>& stamps) {
-  if (stamps.size() < 2) return std::nullopt;
-  std::vector<double> intervals;
-  for (size_t i = 1; i < stamps.size(); ++i) {
-    intervals.push_back(stamps[i].timestamp - stamps[i - 1].timestamp);
-  }
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
+constexpr double kSameTime = 1e-6;  // [s], as times are printed
+constexpr double kRounding = 5e-4;  // [s], of times in whole milliseconds
+
+CameraState camera_at(const TimedPose& pose) {
+  CameraState state;
+  state.position = pose.position;
+  state.orientation = pose.orientation;
+  return state;
 }
-
-}  // namespace
-
-std::vector<std::optional<CameraState>> match_truth(const std::vector<TimedPose>& poses,
-                                                    const std::vector<Frame>& frames) {
-  std::vector<std::optional<CameraState>> truth(frames.size());
-  if (poses.empty()) return truth;
-  const auto interval = frames.size() > 1 ? median_interval(frames) : median_interval(poses);
-  const double tolerance = interval.value_or(std::numeric_limits<double>::infinity()) / 2.0;
-  size_t nearest = 0;
-  for (size_t i = 0; i < frames.size(); ++i) {
-    const auto distance = [&](size_t k) {
-      return std::abs(poses[k].timestamp - frames[i].timestamp);
-    };
-    while (nearest + 1 < poses.size() && distance(nearest + 1) < distance(nearest)) ++nearest;
-    if (distance(nearest) > tolerance) continue;
-    truth[i].emplace();
-    truth[i]->position = poses[nearest].position;
-    truth[i]->orientation = poses[nearest].orientation;
-  }
-  difference_velocities(frames, truth);
-  return truth;
-}
-
-namespace {
 
 CameraState between(const TimedPose& a, const TimedPose& b, double time) {
-  const double gap = b.timestamp - a.timestamp;
-  const double part = gap > 0.0 ? (time - a.timestamp) / gap : 0.0;
+  const double part = (time - a.timestamp) / (b.timestamp - a.timestamp);
   CameraState state;
   state.position = a.position + part * (b.position - a.position);
   state.orientation = a.orientation.slerp(part, b.orientation);
   return state;
 }
 
+// Of the two poses around a time, of which one may be missing.
+std::optional<CameraState> true_camera(const TimedPose* before, const TimedPose* after, double time,
+                                       double longest_gap) {
+  const auto distance = [&](const TimedPose* pose) {
+    return pose == nullptr ? std::numeric_limits<double>::infinity()
+                           : std::abs(pose->timestamp - time);
+  };
+  const TimedPose* nearest = distance(before) < distance(after) ? before : after;
+  const bool bracketed =
+      before != nullptr && after != nullptr && after->timestamp - before->timestamp <= longest_gap;
+  if (distance(nearest) <= (bracketed ? kSameTime : kRounding)) return camera_at(*nearest);
+  if (!bracketed) return std::nullopt;
+  return between(*before, *after, time);
+}
+
 }  // namespace
 
-std::vector<std::optional<CameraState>> interpolate_truth(const std::vector<TimedPose>& poses,
-                                                          const std::vector<Frame>& frames) {
-  std::vector<std::optional<CameraState>> truth(frames.size());
-  const double tolerance =
-      median_interval(frames).value_or(std::numeric_limits<double>::infinity());
-  for (size_t i = 0; i < frames.size(); ++i) {
-    const double time = frames[i].timestamp;
-    const auto after =
-        std::lower_bound(poses.begin(), poses.end(), time,
-                         [](const TimedPose& pose, double t) { return pose.timestamp < t; });
-    if (after == poses.end()) break;
-    const bool exactly = after->timestamp == time;
-    if (!exactly && after == poses.begin()) continue;
-    const TimedPose& before = exactly ? *after : *(after - 1);
-    if (after->timestamp - before.timestamp > tolerance) continue;
-    truth[i] = between(before, *after, time);
+double median_interval(const std::vector<Frame>& frames) {
+  std::vector<double> intervals;
+  for (size_t i = 1; i < frames.size(); ++i) {
+    intervals.push_back(frames[i].timestamp - frames[i - 1].timestamp);
+  }
+  if (intervals.empty()) return std::numeric_limits<double>::infinity();
+  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+  std::nth_element(intervals.begin(), middle, intervals.end());
+  return *middle;
+}
+
+std::vector<std::optional<CameraState>> true_cameras(const std::vector<TimedPose>& poses,
+                                                     const std::vector<Frame>& frames) {
+  std::vector<std::optional<CameraState>> truth;
+  const double interval = median_interval(frames);
+  const double longest_gap = std::isfinite(interval) ? kLongestGap * interval : 0.0;
+  size_t next = 0;
+  for (const Frame& frame : frames) {
+    while (next < poses.size() && poses[next].timestamp < frame.timestamp) ++next;
+    truth.push_back(true_camera(next > 0 ? &poses[next - 1] : nullptr,
+                                next < poses.size() ? &poses[next] : nullptr, frame.timestamp,
+                                longest_gap));
   }
   difference_velocities(frames, truth);
   return truth;

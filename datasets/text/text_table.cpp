@@ -34,6 +34,11 @@ std::string read_text_file(const std::filesystem::path& file) {
   return text;
 }
 
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
 void require_utf8(const std::filesystem::path& file, std::string_view text) {
   const size_t bad = invalid_utf8(text);
   if (bad == std::string_view::npos) return;
@@ -42,7 +47,7 @@ void require_utf8(const std::filesystem::path& file, std::string_view text) {
 }
 
 TextTable::TextTable(std::filesystem::path file, std::string_view text)
-    : file_(std::move(file)), rest_(text) {
+    : file_(std::move(file)), rest_(without_byte_order_mark(text)) {
   require_utf8(file_, text);
 }
 
@@ -50,21 +55,35 @@ void TextTable::refuse(const std::string& reason) const { throw InputError(file_
 
 bool TextTable::next_line() {
   if (rest_.empty()) return false;
-  const size_t end = rest_.find('\n');
+  const size_t newline = rest_.find('\n');
+  const size_t end = std::min(rest_.substr(0, newline).find('\r'), newline);
   current_ = rest_.substr(0, end);
-  rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-  if (current_.ends_with('\r')) current_.remove_suffix(1);
+  rest_.remove_prefix(std::min(end, rest_.size()));
+  rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : std::min<size_t>(1, rest_.size()));
   ++line_;
   return true;
 }
 
+std::string TextTable::other_separators() const {
+  std::string others;
+  for (const auto& [mark, name] : {std::pair(',', "commas"), {';', "semicolons"}, {'\t', "tabs"}}) {
+    const bool is_right = commas_ ? mark == ',' : mark == '\t';
+    if (!is_right && current_.find(mark) != std::string_view::npos) others = name;
+  }
+  if (others.empty() && commas_ && current_.find(' ') != std::string_view::npos) others = "blanks";
+  if (others.empty()) return "";
+  return fmt::format("; {} are expected between fields where there are {}",
+                     commas_ ? "commas" : "blanks", others);
+}
+
 void TextTable::check_count(size_t count) const {
   if (fields_.size() == count) return;
-  refuse(fmt::format("expected {} fields, found {}", count, fields_.size()));
+  refuse(fmt::format("expected {} fields, found {}{}", count, fields_.size(), other_separators()));
 }
 
 bool TextTable::next_comma_row(size_t count, bool rest) {
   if (!next_line()) return false;
+  commas_ = true;
   fields_.clear();
   for (std::string_view left = current_;;) {
     const bool last = rest && fields_.size() + 1 == count;
@@ -87,6 +106,7 @@ bool TextTable::next_blank_row() {
     if (!next_line()) return false;
     current_ = current_.substr(0, current_.find('#'));
   } while (current_.find_first_not_of(blanks) == std::string_view::npos);
+  commas_ = false;
   fields_.clear();
   for (size_t begin = current_.find_first_not_of(blanks); begin != std::string_view::npos;) {
     const size_t end = current_.find_first_of(blanks, begin);
@@ -103,7 +123,7 @@ bool TextTable::next_blank_row(size_t count) {
 }
 
 void TextTable::pass_comments() {
-  while (!rest_.empty() && (rest_[0] == '#' || rest_[0] == '\n' || rest_.starts_with("\r\n"))) {
+  while (!rest_.empty() && (rest_[0] == '#' || rest_[0] == '\n' || rest_[0] == '\r')) {
     next_line();
   }
 }
@@ -119,7 +139,10 @@ size_t TextTable::expect_header(std::span<const std::string_view> headers) {
 
 double TextTable::number(size_t i) const {
   const auto value = parse_number<double>(fields_[i]);
-  if (!value) refuse(fmt::format("'{}' is not a number", fields_[i]));
+  if (!value) {
+    const bool has_mark = fields_[i].find_first_of(",;") != std::string_view::npos;
+    refuse(fmt::format("'{}' is not a number{}", fields_[i], has_mark ? other_separators() : ""));
+  }
   return *value;
 }
 

@@ -18,12 +18,15 @@ namespace slammot {
 // or has more than 4 GiB.
 std::string read_text_file(const std::filesystem::path& file);
 
+// Without the three bytes with which some editors begin a file of UTF-8.
+std::string_view without_byte_order_mark(std::string_view text);
+
 // Refuses what is not UTF-8, with its line.
 void require_utf8(const std::filesystem::path& file, std::string_view text);
 
 class TextTable {
  public:
-  // `text` must outlive the table. Refuses what is not UTF-8.
+  // `text` must outlive the table; its lines end in LF, CRLF or CR. Refuses what is not UTF-8.
   TextTable(std::filesystem::path file, std::string_view text);
 
   // Cuts the next line into exactly `count` fields; false after the last line.
@@ -57,6 +60,7 @@ class TextTable {
  private:
   bool next_line();
   bool next_comma_row(size_t count, bool rest);
+  std::string other_separators() const;  // that the line has, for a refusal
   double number(size_t i) const;
 
   std::filesystem::path file_;
@@ -64,6 +68,7 @@ class TextTable {
   std::string_view current_;
   std::vector<std::string_view> fields_;
   int line_ = 0;
+  bool commas_ = false;  // between the fields of the line
 };
 
 // Three bounded numbers from field `i` on.

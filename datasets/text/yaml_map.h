@@ -123,11 +123,19 @@ class YamlMap {
   std::set<std::string> asked_;
 };
 
+// Lines that end in CR alone end in LF, as yaml-cpp knows them.
+inline std::string with_line_feeds(std::string text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\r' && (i + 1 == text.size() || text[i + 1] != '\n')) text[i] = '\n';
+  }
+  return text;
+}
+
 // A YAML document; throws InputError with file and line for what is no YAML.
 inline YAML::Node load_yaml_node(const std::filesystem::path& file, const std::string& text) {
   require_utf8(file, text);
   try {
-    return YAML::Load(text);
+    return YAML::Load(with_line_feeds(text));
   } catch (const YAML::Exception& error) {
     throw InputError(file, error.mark.line + 1, error.msg);
   }

@@ -159,6 +159,9 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
   if (options.check_rotation)
     spans = options.check_rotation(sequence, result.judged(), sigma_of(sequence, options));
   result.warnings = self_check(result, spans, options.scale);
+  for (const std::string& hint : sequence.hints) {
+    result.warnings.insert(result.warnings.begin(), {std::nullopt, hint});
+  }
   return result;
 }
 

@@ -75,8 +75,10 @@ CameraEstimate euroc_pose(const TextTable& row) {
   CameraEstimate camera = unknown_covariance();
   const auto nanoseconds = parse_number<std::int64_t>(row.field(0));
   if (!nanoseconds) {
-    row.refuse(fmt::format("'{}' is not a time in nanoseconds, as EuRoC's rows between commas have",
-                           row.field(0)));
+    row.refuse(
+        fmt::format("'{}' is not a time in nanoseconds, as EuRoC's rows between commas have; "
+                    "rows of TUM have blanks between their fields",
+                    row.field(0)));
   }
   camera.timestamp = 1e-9 * static_cast<double>(*nanoseconds);
   camera.state.position = vector_at(row, 1);
@@ -120,9 +122,7 @@ std::vector<CameraEstimate> read_rows(const Path& file, const std::string& text,
   for (TextTable row(file, text); next_row(row, format);) {
     const CameraEstimate camera = format.pose(row);
     if (format.timed) {
-      if (const Fault fault = time_fault(camera.timestamp)) {
-        row.refuse(*fault + "; are these nanoseconds?");
-      }
+      row.refuse_if(time_fault(camera.timestamp));
       if (!cameras.empty()) {
         row.refuse_if(order_fault(cameras.back().timestamp, camera.timestamp));
       }

@@ -29,7 +29,7 @@ inline const std::map<std::string, std::string> kGood = {
     {"observations.csv", "frame,track,u,v\n0,5,1,2\n0,3,3.5,4\n2,3,5,6\n"},
     {"groundtruth.tum",
      "# timestamp tx ty tz qx qy qz qw\n"
-     "0.001 0 0 0 0 0 0 1\n0.101 1 0 0 0 0 0 1\n0.26 3 0 0 0 0 0 1\n"},
+     "0 0 0 0 0 0 0 1\n0.1 1 0 0 0 0 0 1\n0.26 3 0 0 0 0 0 1\n"},
     {"landmarks.csv",
      "track,frame,class,x,y,z,vx,vy,vz\n3,0,static,1,2,3,0,0,0\n"
      "5,0,moving,1,2,3,0,0,1\n5,1,moving,1,2,4,0,0,1\n"},
