@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "eval/metrics/true_rotations.h"
 #include "eval/statistics/chi_square.h"
 
 namespace slammot {
@@ -18,7 +19,12 @@ bool all_have_covariances(const std::vector<PosePair>& pairs) {
   return true;
 }
 
-TrajectoryMetrics trajectory_metrics(const Sequence& sequence,
+// Of a run of this program on a truth that was simulated with its measurements.
+bool is_trusted(const Sequence& sequence, const RunResult& run) {
+  return sequence.exact_truth && run.in_force.has_value();
+}
+
+TrajectoryMetrics trajectory_metrics(const Sequence& sequence, const RunResult& run,
                                      const std::vector<CameraEstimate>& estimates) {
   TrajectoryMetrics metrics;
   if (estimates.empty()) {
@@ -30,13 +36,16 @@ TrajectoryMetrics trajectory_metrics(const Sequence& sequence,
     metrics.accuracy.reason = metrics.consistency.reason = "no true pose";
     return metrics;
   }
+  const auto equal = equal_rotations(pairs, !sequence.exact_truth, is_trusted(sequence, run));
   metrics.accuracy.value = accuracy(pairs);
+  if (equal && equal->not_judged) metrics.accuracy.value->forget_rotations();
   if (!sequence.exact_truth) {
     metrics.consistency.reason = kInexact;
   } else if (!all_have_covariances(pairs)) {
     metrics.consistency.reason = "not every pose has a covariance";
   } else {
     metrics.consistency.value = pose_consistency(pairs);
+    if (equal && equal->not_judged) metrics.consistency.value->forget_rotations();
   }
   return metrics;
 }
@@ -50,7 +59,7 @@ std::map<int, TrajectoryMetrics> by_lag(const Sequence& sequence, const RunResul
   const std::size_t judged = run.filtered.size() - kLongest;
   const auto judge = [&](std::vector<CameraEstimate> poses) {
     poses.resize(std::min(poses.size(), judged));
-    return trajectory_metrics(sequence, poses);
+    return trajectory_metrics(sequence, run, poses);
   };
   metrics[0] = judge(run.filtered);
   for (const auto& [lag, poses] : run.lagged) metrics[lag] = judge(poses);
@@ -102,19 +111,42 @@ void evaluate_table(const MetricTable& table, const Sequence& sequence, const Ru
 
 }  // namespace
 
+namespace {
+
+// A run that has a pose of few frames has failed, however good these are: at the last of them.
+std::optional<int> without_poses(const Sequence& sequence, const std::vector<CameraEstimate>& run) {
+  if (!covers_few(run.size(), sequence.frames.size())) return std::nullopt;
+  const auto after =
+      std::ranges::upper_bound(sequence.frames, run.back().timestamp, {}, &Frame::timestamp);
+  return (after == sequence.frames.end() ? sequence.frames.back() : *after).index;
+}
+
+}  // namespace
+
 RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, double gate_probability,
                            const MetricTable& table) {
   RunMetrics metrics;
   metrics.diverged = run.diverged;
   metrics.warnings = run.warnings;
   metrics.in_force = run.in_force;
-  metrics.filtered = trajectory_metrics(sequence, run.filtered);
+  metrics.filtered = trajectory_metrics(sequence, run, run.filtered);
   metrics.batch = run.batch;
   if (run.batch || !run.smoothed.empty()) {
-    metrics.smoothed = trajectory_metrics(sequence, run.smoothed);
+    metrics.smoothed = trajectory_metrics(sequence, run, run.smoothed);
   }
   if (!run.batch) metrics.lagged = by_lag(sequence, run);  // of a batch: its front window's
-  metrics.failed = failed_at(pair_with_truth(sequence, run.judged()), !sequence.exact_truth);
+  const std::vector<PosePair> judged = pair_with_truth(sequence, run.judged());
+  metrics.failed = failed_at(judged, !sequence.exact_truth);
+  if (!metrics.failed && !run.diverged && !judged.empty()) {
+    metrics.failed = without_poses(sequence, run.judged());
+  }
+  if (const auto equal =
+          equal_rotations(judged, !sequence.exact_truth, is_trusted(sequence, run))) {
+    const auto said = [&](const RunWarning& warning) { return warning.reason == equal->reason; };
+    if (std::ranges::none_of(run.warnings, said)) {
+      metrics.warnings.insert(metrics.warnings.begin(), {std::nullopt, equal->reason});
+    }
+  }
   judge_landmarks(sequence, run, metrics);
   metrics.classification = classification_metrics(run.classification);
   const auto per_accepted = [&](double sum) {

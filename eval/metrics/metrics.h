@@ -10,7 +10,7 @@
 
 #include "datasets/sequence/sequence.h"
 #include "eval/metrics/accuracy.h"
-#include "eval/metrics/classification_table.h"
+#include "eval/metrics/labels/classification_table.h"
 #include "eval/metrics/landmark_metrics.h"
 #include "eval/metrics/metric.h"
 #include "eval/metrics/nees.h"

@@ -73,6 +73,12 @@ PoseNees pose_nees(const PosePair& pair) {
           of_block(kRotation, 3)};
 }
 
+void PoseConsistency::forget_rotations() {
+  pose = undefined(pose.dof);
+  rotation = undefined(rotation.dof);
+  for (PoseNees& sample : series) sample.pose = sample.rotation = kUndefined;
+}
+
 PoseConsistency pose_consistency(const std::vector<PosePair>& pairs) {
   PoseConsistency result;
   std::vector<double> pose, position, rotation;

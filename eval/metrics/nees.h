@@ -55,6 +55,8 @@ struct PoseConsistency {
   NeesSummary position;
   NeesSummary rotation;
   std::vector<PoseNees> series;
+
+  void forget_rotations();  // of pose and rotation nothing is known
 };
 
 // Leaves out the first pair: before the first prediction the covariance is the initial state's pin.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "datasets/sequence/sequence_hints.h"
 #include "eval/statistics/statistics.h"
 
 namespace slammot {
@@ -74,7 +75,7 @@ PlacedEstimates at_frames(const std::vector<CameraEstimate>& estimates,
         tolerance, estimates.front().timestamp + matching.offset,
         estimates.back().timestamp + matching.offset, frames.front().timestamp,
         frames.back().timestamp,
-        estimates.front().timestamp > 1e15 ? "; are these nanoseconds?" : ""));
+        unit_clue(estimates.front().timestamp, estimates.back().timestamp, frames)));
   }
   return placed;
 }

@@ -32,6 +32,9 @@ struct PlacedEstimates {
 PlacedEstimates at_frames(const std::vector<CameraEstimate>& estimates,
                           const std::vector<Frame>& frames, const TimeMatching& matching);
 
+// Whether fewer than half of the frames have a pose: what is known of these is not the run's.
+constexpr bool covers_few(std::size_t poses, std::size_t frames) { return 2 * poses < frames; }
+
 // [s]; infinite of fewer than two frames.
 double shortest_interval(const std::vector<Frame>& frames);
 

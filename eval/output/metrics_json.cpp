@@ -64,6 +64,9 @@ Json trajectory_json(const TrajectoryMetrics& t) {
   Json json = Json::object();
   put_values(json, t.values);
   put_reason(json, "accuracy", t.accuracy);
+  if (t.accuracy.value && !t.accuracy.value->sim3_reason.empty()) {
+    json["accuracy"]["ate_sim3_reason"] = t.accuracy.value->sim3_reason;
+  }
   put_reason(json, "nees", t.consistency);
   if (t.consistency.value) put_series(json["nees"], *t.consistency.value);
   return json;

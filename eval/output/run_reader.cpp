@@ -60,16 +60,43 @@ void require_numbers(const TextTable& row) {
   for (size_t i = 1; i < row.fields(); ++i) row.real(i);
 }
 
+// All 36 numbers by rows.
+Matrix6d whole_at(const TextTable& row, size_t first) {
+  constexpr double kRounding = 1e-6;  // as printed with seven digits
+  Matrix6d P;
+  for (int i = 0; i < 36; ++i) P(i / 6, i % 6) = row.real_or_nan(first++);
+  const bool is_symmetric =
+      (P - P.transpose()).cwiseAbs().maxCoeff() <= kRounding * P.diagonal().cwiseAbs().maxCoeff();
+  if (!P.hasNaN() && !is_symmetric) row.refuse("the 36 numbers are no symmetric matrix");
+  return P;
+}
+
+constexpr size_t kTriangle = 1 + 21, kWhole = 1 + 36;  // fields with a time before them
+
+size_t covariance_fields(const Path& file) {
+  const std::string text = read_text_file(file);
+  TextTable table(file, text);
+  table.pass_comments();
+  if (begins_with_heading(table)) table.pass_line();
+  table.pass_comments();
+  if (!table.next_blank_row()) return kTriangle;
+  size_t commas = 0;
+  for (size_t i = 0; i < table.fields(); ++i) commas += std::ranges::count(table.field(i), ',');
+  return commas + 1 == kWhole ? kWhole : kTriangle;
+}
+
 void read_covariances(const Path& file, bool own, std::vector<CameraEstimate>& cameras) {
   if (!std::filesystem::exists(file)) return;
   size_t count = 0;
-  for_each_row(file, 22, [&](const TextTable& row) {
+  const size_t fields = covariance_fields(file);
+  for_each_row(file, fields, [&](const TextTable& row) {
     if (count == cameras.size()) row.refuse("there are more rows than poses");
     CameraEstimate& camera = cameras[count++];
     if (std::abs(row.real(0) - camera.timestamp) > 1e-6) {
       row.refuse("the timestamp is not that of the pose");
     }
-    camera.covariance.topLeftCorner<6, 6>() = symmetric_at<6>(row, 1);
+    camera.covariance.topLeftCorner<6, 6>() =
+        fields == kWhole ? whole_at(row, 1) : symmetric_at<6>(row, 1);
     if (!own) require_numbers(row);
   });
   if (count != cameras.size()) {

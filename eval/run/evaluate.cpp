@@ -6,9 +6,11 @@
 #include <limits>
 
 #include "datasets/readers/reader.h"
+#include "datasets/sequence/sequence_hints.h"
 #include "eval/configuration/registry.h"
-#include "eval/metrics/label_truth.h"
+#include "eval/metrics/labels/label_truth.h"
 #include "eval/output/run_files.h"
+#include "eval/run/alternatives.h"
 #include "eval/run/self_check.h"
 #include "eval/trajectory/trajectory_file.h"
 
@@ -58,16 +60,14 @@ void convert_covariances(const ErrorConvention& convention, std::vector<CameraEs
   }
 }
 
-// A folder's trajectories, or a file's one, whose format says what error its covariances are of.
-StoredRun read_any(const Path& path, const Sequence& sequence, const ForeignOptions& foreign) {
+// A folder's trajectories, or a file's one; covariances as they are written.
+StoredRun read_any(const Path& path, const Sequence& sequence) {
   StoredRun stored;
   if (std::filesystem::is_directory(path)) {
     stored = read_run(path);
     stored.run.batch = stored.own && is_batch(stored.estimator);
     if (!has_models(stored.estimator)) stored.landmark = "-";
     if (stored.own) return stored;
-    convert_covariances(foreign.convention, stored.run.filtered);
-    convert_covariances(foreign.convention, stored.run.smoothed);
   } else {
     stored.run.filtered = read_trajectory(path, sequence.frames);
   }
@@ -90,24 +90,22 @@ double place_in_time(const Path& path, const Sequence& sequence, const TimeMatch
 }
 
 // Accuracy and NEES are over the frames that have a pose: few can hide a large error.
-std::optional<RunWarning> few_poses(const Sequence& sequence, const RunResult& run) {
-  constexpr double kFew = 0.5;
-  const auto frames = static_cast<double>(sequence.frames.size());
-  if (run.frames.empty() || static_cast<double>(run.frames.size()) >= kFew * frames) return {};
-  return RunWarning{std::nullopt,
-                    fmt::format("{} of {} frames have a pose, and only these are judged",
-                                run.frames.size(), sequence.frames.size())};
+std::optional<std::string> few_poses(const Sequence& sequence, const RunResult& run,
+                                     const std::string& clue) {
+  if (run.frames.empty() || !covers_few(run.frames.size(), sequence.frames.size())) return {};
+  return fmt::format("{} of {} frames have a pose, and only these are judged{}", run.frames.size(),
+                     sequence.frames.size(), clue);
 }
 
 // A pose is compared with the truth of its frame, however far from it in time.
-std::optional<RunWarning> times_differ(const Sequence& sequence, double median_difference) {
+std::optional<std::string> times_differ(const Sequence& sequence, double median_difference) {
   constexpr double kRounded = 0.05;  // of an interval, as milliseconds at 50 Hz
   const double interval = shortest_interval(sequence.frames);
   if (!(median_difference > kRounded * interval)) return {};
-  return RunWarning{std::nullopt,
-                    fmt::format("the times of poses and frames differ by {:.3g} s (median), of "
-                                "{:.3g} s between frames; see --time-offset",
-                                median_difference, interval)};
+  return fmt::format(
+      "the times of poses and frames differ by {:.3g} s (median), of {:.3g} s between frames; see "
+      "--time-offset",
+      median_difference, interval);
 }
 
 // A run of this program may have said it already.
@@ -115,6 +113,21 @@ void add_new(const std::optional<RunWarning>& warning, std::vector<RunWarning>& 
   const auto known = [&](const RunWarning& w) { return w.reason == warning->reason; };
   if (!warning || std::ranges::any_of(warnings, known)) return;
   warnings.insert(warnings.begin(), *warning);
+}
+
+void add_hint(const std::optional<std::string>& hint, std::vector<RunWarning>& warnings) {
+  if (hint) add_new(RunWarning{std::nullopt, *hint}, warnings);
+}
+
+// What another program may have written otherwise than it is read; then covariances become ours.
+void take_as_stated(const Sequence& sequence, const ForeignOptions& foreign, bool is_folder,
+                    RunResult& run) {
+  const std::vector<PosePair> as_written = pair_with_truth(sequence, run.filtered);
+  const ErrorConvention convention = is_folder ? foreign.convention : ErrorConvention{};
+  if (sequence.exact_truth) add_hint(other_covariances(as_written, convention), run.warnings);
+  add_hint(other_poses(as_written, sequence.exact_truth), run.warnings);
+  convert_covariances(convention, run.filtered);
+  convert_covariances(convention, run.smoothed);
 }
 
 std::optional<std::string> other_sequence(const StoredRun& stored, const Sequence& sequence) {
@@ -154,22 +167,28 @@ JudgedRun Judge::operator()(const Path& run, const std::optional<Path>& against)
                      "its sequence " + path->string() + " is not there: give it with --against");
   }
   judged.sequence = sequence_at(*path);
-  judged.stored = read_any(run, *judged.sequence, options_.foreign);
+  judged.stored = read_any(run, *judged.sequence);
   const auto other = other_sequence(judged.stored, *judged.sequence);
   if (other && !options_.force_sequence) {
     throw InputError(run / run_files::kDescription, 0,
                      *other + "; --force-sequence judges it all the same");
   }
-  const TimeMatching exactly;
+  RunResult& result = judged.stored.run;
+  const std::string clue = unit_clue(result.filtered.front().timestamp,
+                                     result.filtered.back().timestamp, judged.sequence->frames);
+  const bool own = judged.stored.own;
   const double difference =
-      place_in_time(run, *judged.sequence, judged.stored.own ? exactly : options_.foreign.times,
-                    judged.stored.run);
-  take_truth_from(*judged.sequence, judged.stored.run);
-  std::vector<RunWarning>& warnings = judged.stored.run.warnings;
-  add_new(covariance_warning(judged.stored.run), warnings);
-  add_new(few_poses(*judged.sequence, judged.stored.run), warnings);
-  add_new(times_differ(*judged.sequence, difference), warnings);
-  if (other) add_new(RunWarning{std::nullopt, *other}, warnings);
+      place_in_time(run, *judged.sequence, own ? TimeMatching{} : options_.foreign.times, result);
+  take_truth_from(*judged.sequence, result);
+  if (!own) {
+    take_as_stated(*judged.sequence, options_.foreign, std::filesystem::is_directory(run), result);
+  }
+  std::vector<RunWarning>& warnings = result.warnings;
+  add_new(covariance_warning(result), warnings);
+  add_hint(few_poses(*judged.sequence, result, clue), warnings);
+  add_hint(times_differ(*judged.sequence, difference), warnings);
+  for (const std::string& hint : judged.sequence->hints) add_hint(hint, warnings);
+  add_hint(other, warnings);
   judged.estimator = estimator_name(run, judged.stored);
   judged.metrics =
       compute_metrics(*judged.sequence, judged.stored.run, judged.stored.gate_probability);

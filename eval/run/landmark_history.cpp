@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "eval/metrics/label_truth.h"
+#include "eval/metrics/labels/label_truth.h"
 #include "eval/metrics/nees.h"
 
 namespace slammot {

@@ -7,7 +7,7 @@
 namespace slammot {
 namespace {
 
-Json cell_json(const StudyCell& cell) {
+Json planned_cell_json(const StudyCell& cell) {
   const EstimatorRow& estimator = find_estimator(cell.estimator);
   Json json = {{"label", cell.label},
                {"estimator", cell.estimator},
@@ -62,7 +62,7 @@ Json study_plan(const Study& study, const Provenance& made_by) {
   for (const StudyCell& cell : study.cells) {
     Json& groups = json["groups"];
     if (groups.empty() || groups.back()["name"] != cell.group) groups.push_back(group_json(cell));
-    groups.back()["cells"].push_back(cell_json(cell));
+    groups.back()["cells"].push_back(planned_cell_json(cell));
   }
   return json;
 }

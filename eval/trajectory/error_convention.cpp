@@ -34,6 +34,11 @@ Value value_of_word(const std::string& word, Words<Value> words) {
   throw std::invalid_argument("'" + word + "' in the error convention is none of " + known);
 }
 
+bool contradicts(const Convention& convention) {
+  return convention.position == Convention::Position::kSpatial &&
+         convention.rotation == Convention::Rotation::kRight;
+}
+
 }  // namespace
 
 ErrorConvention parse_error_convention(const std::string& text) {
@@ -47,15 +52,38 @@ ErrorConvention parse_error_convention(const std::string& text) {
       value_of_word(text.substr(first + 1, second - first - 1),
                     Words<Convention::Rotation>(kRotations)),
       value_of_word(text.substr(second + 1), Words<Convention::Position>(kPositions))};
-  if (convention.position == Convention::Position::kSpatial &&
-      convention.rotation == Convention::Rotation::kRight) {
+  if (contradicts(convention)) {
     throw std::invalid_argument("a spatial position error goes with a left rotation error");
   }
   return convention;
 }
 
+std::vector<ErrorConvention> error_conventions() {
+  std::vector<ErrorConvention> all;
+  for (const auto& [order_word, order] : kOrders) {
+    for (const auto& [rotation_word, rotation] : kRotations) {
+      for (const auto& [position_word, position] : kPositions) {
+        const ErrorConvention convention{order, rotation, position};
+        if (!contradicts(convention)) all.push_back(convention);
+      }
+    }
+  }
+  return all;
+}
+
+std::string to_string(const ErrorConvention& convention) {
+  const auto word = [](const auto& words, auto value) {
+    return std::string(
+        std::ranges::find(words, value, [](const auto& w) { return w.second; })->first);
+  };
+  return word(kOrders, convention.order) + ',' + word(kRotations, convention.rotation) + ',' +
+         word(kPositions, convention.position);
+}
+
 Matrix6d to_our_error(const Matrix6d& P, const ErrorConvention& convention,
                       const CameraState& estimate) {
+  if (convention == ErrorConvention{})
+    return P;  // also of what is known in part, and NaN elsewhere
   const Eigen::Matrix3d R = estimate.orientation.toRotationMatrix();
   const bool rotation_first = convention.order == Convention::Order::kRotationFirst;
   const int position = rotation_first ? 3 : 0, rotation = rotation_first ? 0 : 3;

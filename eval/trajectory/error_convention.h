@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "models/camera_motion.h"
 
@@ -20,11 +21,16 @@ struct ErrorConvention {
   Order order = Order::kPositionFirst;
   Rotation rotation = Rotation::kRight;
   Position position = Position::kGlobal;
+
+  bool operator==(const ErrorConvention&) const = default;
 };
 
 // `ORDER,ROTATION,POSITION`: position-first or rotation-first; right or left; global, local or
 // spatial. Throws std::invalid_argument.
 ErrorConvention parse_error_convention(const std::string& text);
+std::string to_string(const ErrorConvention& convention);
+
+std::vector<ErrorConvention> error_conventions();  // all that there are
 
 Matrix6d to_our_error(const Matrix6d& P, const ErrorConvention& convention,
                       const CameraState& estimate);

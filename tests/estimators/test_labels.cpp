@@ -3,7 +3,7 @@
 
 #include "datasets/native/native_writer.h"
 #include "datasets/simulation/scenario.h"
-#include "eval/metrics/label_truth.h"
+#include "eval/metrics/labels/label_truth.h"
 #include "eval/output/run_writer.h"
 #include "eval/run/evaluate.h"
 #include "eval/run/run.h"

@@ -79,14 +79,14 @@ TEST(Accuracy, FailedAboveATenthOfThePath) {
       if (i >= from) x.position.y() += metres;
     });
   };
-  EXPECT_EQ(failed_at(off_by(1.1, 0), false), 1);  // above a metre
+  EXPECT_EQ(failed_at(off_by(1.1, 0), false), 0);  // above a metre
   EXPECT_EQ(failed_at(off_by(0.9, 0), false), std::nullopt);
   EXPECT_EQ(failed_at(off_by(2.05, 20), false), 20);  // of 20 m
   EXPECT_EQ(failed_at(off_by(2.05, 21), false), std::nullopt);
   EXPECT_EQ(failed_at({}, false), std::nullopt);
   const Sequence brief = test::straight_line(6);
   const auto pairs = pairs_of(brief, [](int, CameraState& x) { x.position.y() += 0.6; });
-  EXPECT_EQ(failed_at(pairs, false), 1);            // above a tenth of the whole 5 m
+  EXPECT_EQ(failed_at(pairs, false), 0);            // above a tenth of the whole 5 m
   EXPECT_EQ(failed_at(pairs, true), std::nullopt);  // aligned away
 }
 
@@ -100,6 +100,63 @@ TEST(Accuracy, ACameraAtRestFailsAboveAMetre) {
   EXPECT_EQ(failed_at(pairs, false), std::nullopt);
   pairs.back().estimate.state.position.y() = 1.1;
   EXPECT_EQ(failed_at(pairs, false), pairs.back().frame);
+}
+
+// A tenth of a path of two centimetres is jitter, not failure.
+TEST(Accuracy, LessThanADecimetreIsNoFailure) {
+  auto pairs = pairs_of(test::straight_line(21), [](int, CameraState&) {});
+  for (PosePair& pair : pairs) {
+    pair.truth.position = {1e-3 * pair.frame, 0.0, 0.0};
+    pair.estimate.state.position = {0.0, 0.09, 0.0};
+  }
+  EXPECT_EQ(failed_at(pairs, false), std::nullopt);
+  EXPECT_EQ(failed_at(pairs, true), std::nullopt);
+  pairs[7].estimate.state.position.y() = 0.11;
+  EXPECT_EQ(failed_at(pairs, false), 7);
+}
+
+TEST(Accuracy, NoScaleAlignsWhatDoesNotMove) {
+  for (const double jitter : {0.0, 1e-15}) {
+    const Accuracy still = accuracy(pairs_of(test::straight_line(9), [=](int i, CameraState& x) {
+      x.position = {jitter * i, 0.0, 0.0};
+    }));
+    EXPECT_TRUE(std::isnan(still.ate_sim3) && std::isnan(still.scale));
+    EXPECT_EQ(still.sim3_reason, "the estimate does not move");
+    EXPECT_NEAR(still.ate_se3, std::sqrt(60.0 / 9.0), 1e-9);
+  }
+  auto pairs = pairs_of(test::straight_line(9), [](int, CameraState&) {});
+  for (PosePair& pair : pairs) pair.truth.position = {1e-4 * (pair.frame % 2), 0.0, 0.0};
+  const Accuracy still = accuracy(pairs);
+  EXPECT_TRUE(std::isnan(still.ate_sim3) && std::isnan(still.scale));
+  EXPECT_EQ(still.sim3_reason, "the true camera does not move");
+  EXPECT_TRUE(failed_at(pairs, true));  // no similarity makes a point of its path
+  // A small copy of the path does have a scale.
+  const Accuracy small = accuracy(pairs_of(
+      test::straight_line(9), [](int, CameraState& x) { x.position = 1e-4 * x.position; }));
+  EXPECT_NEAR(small.scale, 1e4, 1e-6);
+  EXPECT_NEAR(small.relative_scaled_rmse, 0.0, 1e-9);
+  EXPECT_NEAR(small.relative_position_rmse, 1.0, 1e-3);
+}
+
+TEST(Accuracy, OverDistancesAndAlongThePath) {
+  // Ten per cent too short in its first half, of a path of 1000 m, and then right.
+  const Accuracy a = accuracy(pairs_of(test::straight_line(1001), [](int i, CameraState& x) {
+    x.position.x() = i < 500 ? 0.9 * i : i - 50.0;
+  }));
+  EXPECT_NEAR(a.scale_along_path.front(), 0.9, 1e-9);
+  EXPECT_NEAR(a.scale_along_path.back(), 1.0, 1e-9);
+  EXPECT_GT(a.over_kitti.stretches, 300);
+  EXPECT_NEAR(a.over_kitti.rotation_deg_per_m, 0.0, 1e-12);
+  // A stretch of 100 m ends at the first pose beyond, at 101 m: 10% of 101 m where it is short.
+  const double hundred[] = {100.0};
+  const auto pairs =
+      pairs_of(test::straight_line(300), [](int, CameraState& x) { x.position *= 0.9; });
+  const DistanceErrors short_by_a_tenth = distance_errors(pairs, hundred, kKittiStep, 1.0 / 0.9);
+  EXPECT_NEAR(short_by_a_tenth.translation_percent, 10.1, 1e-9);
+  EXPECT_NEAR(short_by_a_tenth.scaled_percent, 0.0, 1e-9);
+  EXPECT_EQ(short_by_a_tenth.stretches, 20);
+  EXPECT_TRUE(std::isnan(accuracy(pairs_of(test::straight_line(9), [](int, CameraState&) {
+                         })).over_kitti.translation_percent));
 }
 
 // A long path in a small room: a similarity makes a point of an estimate that follows nothing of

@@ -1,4 +1,4 @@
-#include "eval/metrics/classification_table.h"
+#include "eval/metrics/labels/classification_table.h"
 
 #include "eval/statistics/statistics.h"
 

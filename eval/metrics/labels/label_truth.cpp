@@ -1,4 +1,4 @@
-#include "eval/metrics/label_truth.h"
+#include "eval/metrics/labels/label_truth.h"
 
 namespace slammot {
 
