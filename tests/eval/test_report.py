@@ -20,7 +20,7 @@ from unittest import mock
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "python"))
-from slammot.report import compare_report, page, study_figures, study_tables  # noqa: E402
+from slammot.report import compare_report, comparison, metrics, page, study_figures, study_tables, tables  # noqa: E402
 
 page.packed = functools.cache(page.packed)  # Plotly is the same on every page
 CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
@@ -278,6 +278,13 @@ def on_sequences(*names):
     return change
 
 
+def few_poses(comparison):
+    """8 of 600, and the best of all by these."""
+    of_first_run(failed=True, failed_at=8)(comparison)
+    with_accuracies("coverage", 8 / 600)(comparison)
+    with_accuracies("position_rmse_m", 1e-4)(comparison)
+
+
 def in_force(comparison):
     on = {"name": "scale kept", "key": "gauge", "state": "on", "because": "", "acted": 17}
     stated = [[on], [{**on, "state": "off", "because": "ekf.iterations=3", "acted": 0}], []]
@@ -293,6 +300,14 @@ SAID = (
     ("a run that failed is named", of_first_run(failed=True, failed_at=77), [
         "ekf · dynamic_inverse_depth failed at frame 77: its error exceeds a tenth of the path so far, "
         "and a metre or a tenth of the whole path, whichever is less."], []),
+    ("a run that failed is not called the best", of_first_run(failed=True, failed_at=77), [
+        "is the most accurate"], ["ekf · dynamic_inverse_depth is the most accurate", "ekf · dynamic_inverse_depth are equally"]),
+    ("a run with poses of few frames is named, and the others are compared", few_poses, [
+        "has poses of 1.3% of the frames: a failed run.", "is the most accurate"], ["Not compared"]),
+    ("where every run failed none is called the best", every_run(lambda run: run["metrics"].update(failed=True, failed_at=5)), [
+        "Not compared: every run failed."], ["most accurate"]),
+    ("few poses give no verdict of consistency", every_run(lambda run: run["metrics"]["filtered"]["nees"]["pose"].update(used=5)), [
+        "over 5 poses: too few for a verdict."], ["is near what is expected", "is overconfident"]),
     ("a run that warns is named", of_first_run(warnings=[{"frame": 12, "reason": "it is lost"}]), [
         "Warned ekf · dynamic_inverse_depth, from frame 12: it is lost."], []),
     ("all runs may diverge", every_run(diverged), ["diverged at frame 120"], []),
@@ -388,6 +403,35 @@ class Report(unittest.TestCase):
             self.assertAlmostEqual(path["y"][i], true_position(i)[2], delta=0.5)
         self.assertFalse([t for t in charts["position_error"]["data"] if "2σ" in t["name"]])
         self.assert_drawn(["trajectory", "position_error", "runtime"])
+
+    def bold_columns(self):
+        """Run to the names of the columns in which it is the best."""
+        (self.output / "compare.json").write_text(json.dumps(self.comparison))
+        read = comparison.read_comparison(self.output)
+        names = [name for name, *_ in tables.summary_head(read)]
+        return {run.label: {name for name, cell in zip(names, cells) if cell.best} for run, cells, *_ in tables.summary(read)}
+
+    def test_no_failed_run_and_no_unaligned_error_of_measured_truth_is_bold(self):
+        self.assertLessEqual({"position RMSE", "ATE Sim(3)", "pose NEES"}, self.bold_columns()["window-scaled_velocity"])
+        of_last = self.comparison["runs"][-1]["metrics"]
+        of_last.update(failed=True, failed_at=1)
+        bold = self.bold_columns()
+        self.assertEqual(bold["window-scaled_velocity"], set())
+        self.assertIn("position RMSE", bold["window-dynamic_inverse_depth"])
+        of_last.update(failed=False, failed_at=None)
+        self.comparison["sequence"]["exact_truth"] = False
+        bold = set.union(*self.bold_columns().values())
+        self.assertIn("ATE Sim(3)", bold)
+        self.assertFalse(bold & {"position RMSE", "pose NEES"})
+
+    def test_no_cell_with_failed_runs_is_bold_in_a_paper(self):
+        self.assertTrue(study_tables.competes({"diverged": [], "lost": []}))
+        self.assertFalse(study_tables.competes({"diverged": [], "lost": [{"seed": 1, "frame": 7}]}))
+        table = metrics.read_table(METRICS)
+        values = [{"value": 0.1}, {"value": 0.2}]
+        self.assertEqual(study_tables.best_of("position_rmse_m", values, table), 0.1)
+        self.assertIsNone(study_tables.best_of("position_rmse_m", values, table, aligned=True))
+        self.assertEqual(study_tables.best_of("ate_sim3_m", values, table, aligned=True), 0.1)
 
     def test_poses_at_a_lag_of_who_keeps_them(self):
         pooled(self.comparison)

@@ -1,8 +1,8 @@
 """What the runs of an estimator say together, and what two estimators say beside each other, in a comparison: `estimators` and
 `pairs` of pooled.json, from the runs of compare.json.
 
-Runs are paired where they were judged against the same sequence, in their order; a diverged run loses, and runs with poses of
-shares of the frames that differ by more than a tenth are no pair.
+Runs are paired where they were judged against the same sequence, in their order; a run that diverged or failed loses, and runs
+with poses of shares of the frames that differ by more than a tenth are no pair.
 """
 from __future__ import annotations
 
@@ -43,7 +43,8 @@ class _Run:
         accuracy = self.judged.get("accuracy") or {}
         self.coverage = number(accuracy.get("coverage"))
         error = number(accuracy.get(error_key))
-        self.error = math.inf if self.diverged or math.isnan(error) else error
+        failed = self.metrics["failed_at"] is not None
+        self.error = math.inf if self.diverged or failed or math.isnan(error) else error
 
     @property
     def warned(self) -> bool:

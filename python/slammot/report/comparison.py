@@ -72,6 +72,11 @@ class Run:
     def failed_at(self):
         return self.metric("failed_at")
 
+    @property
+    def competes(self):
+        """Whether its numbers may be called the best: not of a run that diverged, failed or has poses of few frames."""
+        return self.divergence is None and self.failed_at is None
+
 
 @dataclass
 class Estimator:

@@ -27,6 +27,16 @@ def read_table(rows):
     return {row["key"]: Metric(**{name: row[name] for name in known}) for row in rows}
 
 
+# Of a trajectory on measured truth: the others depend on the frame and the scale, which nothing tells.
+RANKED_ALIGNED = ("ate_sim3_m", "rpe_1s_scaled_position_rmse_m", "rpe_1s_rotation_rmse_deg", "rpe_tenth_scaled_percent", "rpe_tenth_rotation_deg_per_m",
+                  "rpe_kitti_scaled_percent", "rpe_kitti_rotation_deg_per_m")
+
+
+def is_ranked(metric, aligned):
+    """Whether one run may be called the best by this metric."""
+    return metric.of == "run" or not aligned or metric.key in RANKED_ALIGNED
+
+
 def heading(metric):
     return f"{metric.name} [{metric.unit}]" if metric.unit else metric.name
 

@@ -89,10 +89,10 @@ def differences(comparison):
 
 
 def accuracy(comparison):
-    known = sorted((e for e in comparison.estimators if (e.values.get(comparison.error_key) or {}).get("value") is not None),
+    known = sorted((e for e in comparison.estimators if e.failed + e.diverged < e.runs and (e.values.get(comparison.error_key) or {}).get("value") is not None),
                    key=lambda e: e.values[comparison.error_key]["value"])
     if not known:
-        return [("Accuracy", ["Not known: no run has a defined error."])]
+        return [("Accuracy", ["Not known: no run has a defined error, or every one failed."])]
     few = "" if all(e.values[comparison.error_key]["lower"] is not None for e in known) else f" ({FEW} have no interval)"
     sentence = (f"{error_name(comparison)[:1].upper()}{error_name(comparison)[1:]} {alignment_of(comparison)}, 95% interval over runs{few}: "
                 + "; ".join(f"{e.name} {between(e.values[comparison.error_key])}" for e in known) + ".")

@@ -375,7 +375,11 @@ def value_of(cell, key):
     return cell.get(f"{which}_{key}") or cell.get(key)
 
 
-def best_of(key, values, table):
+def competes(cell):
+    return not cell["diverged"] and not cell.get("lost")
+
+
+def best_of(key, values, table, aligned=False):
     """The best values of a column in one scenario; none where the metric has no best."""
     known = [v["value"] for v in values if v and v["value"] is not None]
     if len(set(known)) < 2:
@@ -383,13 +387,13 @@ def best_of(key, values, table):
     if key.startswith("anees_"):
         expected = 6 if key == "anees_pose" else 3
         return min(known, key=lambda v: abs(v - expected))
-    better = table[key].better
+    better = table[key].better if metrics.is_ranked(table[key], aligned) else "neither"
     return min(known) if better == "smaller" else max(known) if better == "larger" else None
 
 
 def paper_table(summary):
     """LaTeX of the columns that the study asks for, with its own labels and caption; the best of a scenario in bold. A cell with
-    diverged runs says so and is not the best: its numbers are those of the other runs."""
+    diverged runs says so and is not the best: its numbers are those of the other runs. Nor is one with failed runs."""
     wanted = summary["latex"]
     table = metrics.read_table(summary["metrics"])
     label = lambda name: escaped(wanted["labels"].get(name, name))
@@ -398,10 +402,11 @@ def paper_table(summary):
     for group in summary["groups"]:
         cells = [cell for cell in group["cells"] if not is_ideal(cell)]
         values = [[value_of(cell, key) for key in wanted["columns"]] for cell in cells]
-        whole = [row for cell, row in zip(cells, values) if not cell["diverged"]]
-        best = [best_of(key, [row[i] for row in whole], table) for i, key in enumerate(wanted["columns"])]
+        whole = [row for cell, row in zip(cells, values) if competes(cell)]
+        aligned = any(cell.get("aligned") for cell in cells)
+        best = [best_of(key, [row[i] for row in whole], table, aligned) for i, key in enumerate(wanted["columns"])]
         for cell, row in zip(cells, values):
-            texts = [rf"\textbf{{{escaped(number(v['value']))}}}" if v and b is not None and v["value"] == b and not cell["diverged"] else
+            texts = [rf"\textbf{{{escaped(number(v['value']))}}}" if v and b is not None and v["value"] == b and competes(cell) else
                      escaped(number(v["value"]) if v else "–") for v, b in zip(row, best)]
             diverged = escaped(f' ({len(cell["diverged"])} of {cell["runs"]} diverged)') if cell["diverged"] else ""
             rows.append([label(group["name"]), label(cell["label"]) + diverged, *texts])

@@ -32,7 +32,6 @@ def percent(ratio):
 # Of a trajectory, in their order where the truth is measured: what a single camera can be judged by comes first.
 ALIGNED_FIRST = ("coverage", "ate_sim3_m", "sim3_scale", "ate_se3_m", "rpe_1s_position_rmse_m", "rpe_1s_rotation_rmse_deg")
 
-
 def columns(comparison, of):
     shown_ones = [metric for metric in comparison.table.values() if metric.of == of and metric.on_page]
     if comparison.aligned:
@@ -74,8 +73,8 @@ def is_infinite(run, metric):
 def summary(comparison):
     """A row per run: (run, cells, cells of the smoothed trajectory or None, columns that it leaves empty)."""
     of_trajectory, of_run = columns(comparison, "trajectory"), columns(comparison, "run")
-    competing = [run for run in comparison.runs if run.divergence is None]
-    best = {m.key: metrics.best(m, [run.value(m.key) for run in competing], expected(comparison, m))
+    competing = [run for run in comparison.runs if run.competes]
+    best = {m.key: metrics.best(m, [run.value(m.key) for run in competing], expected(comparison, m)) if metrics.is_ranked(m, comparison.aligned) else None
             for m in of_trajectory + of_run}
     apart = verdict.apart([run.metric(run.judged, "accuracy", "coverage") for run in competing])
     several = comparison.sequence.get("count", 1) > 1  # what is best of one is not of another
@@ -84,7 +83,7 @@ def summary(comparison):
         cells = []
         for m in of_trajectory + of_run:
             value = run.value(m.key)
-            wins = not several and run.divergence is None and metrics.equal(value, best[m.key]) and not (apart and m.of == "trajectory")
+            wins = not several and run.competes and metrics.equal(value, best[m.key]) and not (apart and m.of == "trajectory")
             cells.append(Cell("∞" if is_infinite(run, m) else metrics.text(m, value), wins))
         smoothed = None
         if run.metric("smoothed") and run.judged != "smoothed":

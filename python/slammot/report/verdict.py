@@ -75,7 +75,15 @@ def divergence(comparison):
 def failure(comparison):
     failed = [run for run in comparison.runs if run.failed_at is not None]
     bound = failure_bound(comparison.aligned)
-    return [("Failed", [f"{run.name} failed at frame {run.failed_at}: its error exceeds {bound}." for run in failed])] if failed else []
+    sentences = [f"{run.name} has poses of {100 * run.metric(run.judged, 'accuracy', 'coverage'):.2g}% of the frames: a failed run." if few_poses(run) else
+                 f"{run.name} failed at frame {run.failed_at}: its error exceeds {bound}." for run in failed]
+    return [("Failed", sentences)] if sentences else []
+
+
+def few_poses(run):
+    """Whether fewer than half of the frames have a pose, which no error can make up for."""
+    coverage = run.metric(run.judged, "accuracy", "coverage")
+    return coverage is not None and coverage < 0.5
 
 
 def warnings_of(run):
@@ -133,6 +141,9 @@ def apart(coverages):
 def accuracy(comparison, runs):
     if unmeasured(runs):
         return [("Accuracy", ["Not judged: no run used any measurement."])]
+    runs = [run for run in runs if run.competes]
+    if not runs:
+        return [("Accuracy", ["Not compared: every run failed."])]
     rows = ranked(runs, error(comparison))
     why = [WHY_ALIGNED] if comparison.aligned else []
     if not rows:
@@ -153,6 +164,9 @@ def accuracy(comparison, runs):
                           f"({others}).", *within_landmark_model(rows), *why])]
 
 
+FEWEST_JUDGED = 12  # poses: the mean NEES of fewer, were they independent, is not known to a third with 95%
+
+
 def judged(ratio):
     if ratio > OVERCONFIDENT:
         return "overconfident"
@@ -165,6 +179,9 @@ def consistency_of(run):
     if failures:
         return f"{run.name} has no mean NEES: {failures} of its covariances {'is' if failures == 1 else 'are'} not positive definite."
     coverage = run.value("nees.pose.fraction_inside")
+    poses = run.metric(run.judged, "nees", "pose", "used")
+    if poses is not None and poses < FEWEST_JUDGED:
+        return f"{run.name} has a mean pose NEES of {6 * ratio:.3g} (6 expected) over {poses} poses: too few for a verdict."
     text = (f"{run.name} is {judged(ratio)}: mean pose NEES {6 * ratio:.3g} (6 expected)")
     if coverage is not None:
         text += f", {100 * coverage:.0f}% of the frames in the 95% interval"
