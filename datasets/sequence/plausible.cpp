@@ -61,7 +61,8 @@ const TimeUnit& unit_of_time(double value, double largest) {
 
 Fault order_fault(double before, double time) {
   if (time > before) return time_fault(time);
-  return fmt::format("timestamp {} does not follow {}: they must increase", time, before);
+  return fmt::format("timestamp {} does not follow {}: they must increase{}", time, before,
+                     time == before ? "; are times repeated or rounded?" : "");
 }
 
 Fault step_fault(double before, double time) {

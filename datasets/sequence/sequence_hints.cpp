@@ -85,6 +85,13 @@ std::string unit_clue(double first, double last, const std::vector<Frame>& frame
   constexpr double kLonger = 1.5;
   const double begin = frames.front().timestamp, end = frames.back().timestamp;
   const double span = end - begin;
+  for (const TimeUnit& unit : kTimeUnits) {
+    const double from = first * unit.per_second, to = last * unit.per_second;
+    const bool alike = to - from < kLonger * span && span < kLonger * (to - from);
+    if (last < begin && from <= end && to >= begin && alike) {
+      return fmt::format("; are these too small by a factor of {:g}?", unit.per_second);
+    }
+  }
   if (!(last - first > kLonger * span)) return "";
   for (const TimeUnit& unit : kTimeUnits) {
     const double from = first / unit.per_second, to = last / unit.per_second;

@@ -17,7 +17,7 @@ Hints truth_hints(const std::filesystem::path& file, const std::vector<TimedPose
 // beside an exact truth of it.
 Hints frame_hints(const Sequence& sequence);
 
-// `; are these nanoseconds ..?` where times in another unit would lie among those of the frames;
+// `; are these nanoseconds ..?` where times of another unit would lie among those of the frames;
 // else empty. `first`, `last`: [s], as read.
 std::string unit_clue(double first, double last, const std::vector<Frame>& frames);
 

@@ -10,10 +10,11 @@ namespace {
 
 constexpr double kTurnInDegrees = 180.0 / std::numbers::pi;
 
-// A row that jumps away from the rows beside it, which are near each other.
+// Rows that jump away from the rows beside them, which are near each other.
 struct Jump {
-  const TimedPose* pose;
-  double size;   // of `unit`
+  const TimedPose* pose;  // the first
+  std::size_t rows;
+  double size;   // in metres or degrees
   double speed;  // per second
 };
 
@@ -24,23 +25,36 @@ double degrees(const TimedPose& a, const TimedPose& b) {
   return a.orientation.angularDistance(b.orientation) * kTurnInDegrees;
 }
 
-// At `i`: the steps to it and from it are long beside those before and after, and lead back.
-std::optional<Jump> jump_at(const std::vector<TimedPose>& poses, std::size_t i, Distance distance,
-                            double least) {
+// From `i` on so many rows: the steps to them and from them are long beside those between them,
+// before and after, and lead back.
+std::optional<Jump> jump_at(const std::vector<TimedPose>& poses, std::size_t i, std::size_t rows,
+                            Distance distance, double least) {
   constexpr double kTimes = 10.0, kBack = 0.2;
-  const std::size_t n = poses.size();
+  constexpr std::size_t kBeside = 2;  // steps on either side
+  const std::size_t n = poses.size(), next = i + rows;
+  const bool inside = i > 0 && next < n;
+  if (!inside && rows > 1) return std::nullopt;
   const auto step = [&](std::size_t k) { return distance(poses[k], poses[k + 1]); };
-  const double in = i > 0 ? step(i - 1) : step(0), out = i + 1 < n ? step(i) : step(n - 2);
-  double beside = 0.0;  // the longest of the two steps on either side
-  for (std::size_t k = i >= 3 ? i - 3 : 0; k < std::min(n - 1, i + 3); ++k) {
-    if (k + 1 != i && k != i) beside = std::max(beside, step(k));
+  const double in = i > 0 ? step(i - 1) : step(0), out = next < n ? step(next - 1) : step(n - 2);
+  double beside = 0.0;
+  for (std::size_t k = i > kBeside ? i - kBeside - 1 : 0; k < std::min(n - 1, next + kBeside);
+       ++k) {
+    if (k + 1 != i && k + 1 != next) beside = std::max(beside, step(k));
   }
   const double size = std::min(in, out);
-  const bool inside = i > 0 && i + 1 < n;
   if (!(size > least && size > kTimes * beside)) return std::nullopt;
-  if (inside && distance(poses[i - 1], poses[i + 1]) > kBack * size) return std::nullopt;
+  if (inside && distance(poses[i - 1], poses[next]) > kBack * size) return std::nullopt;
   const TimedPose& other = poses[i > 0 ? i - 1 : 1];
-  return Jump{&poses[i], size, size / std::abs(poses[i].timestamp - other.timestamp)};
+  return Jump{&poses[i], rows, size, size / std::abs(poses[i].timestamp - other.timestamp)};
+}
+
+std::optional<Jump> shortest_jump_at(const std::vector<TimedPose>& poses, std::size_t i,
+                                     Distance distance, double least) {
+  constexpr std::size_t kMostRows = 5;
+  for (std::size_t rows = 1; rows <= kMostRows && i + rows <= poses.size(); ++rows) {
+    if (auto jump = jump_at(poses, i, rows, distance, least)) return jump;
+  }
+  return std::nullopt;
 }
 
 Hints jumps(const std::filesystem::path& file, const std::vector<TimedPose>& poses,
@@ -50,10 +64,12 @@ Hints jumps(const std::filesystem::path& file, const std::vector<TimedPose>& pos
   Hints hints;
   std::size_t count = 0;
   for (std::size_t i = 0; poses.size() >= 4 && i < poses.size(); ++i) {
-    const auto jump = jump_at(poses, i, distance, least);
+    const auto jump = shortest_jump_at(poses, i, distance, least);
     if (!jump) continue;
-    const std::string reason =
-        fmt::format("the true pose is {:.4g} {} off the rows beside it", jump->size, unit);
+    const std::string reason = fmt::format(
+        "{} {:.4g} {} off the rows beside it",
+        jump->rows == 1 ? "the true pose is" : fmt::format("{} true poses are", jump->rows),
+        jump->size, unit);
     if (distance == metres && jump->speed > kFastest) {
       throw InputError(file, jump->pose->line, reason + ", faster than anything moves");
     }

@@ -119,6 +119,10 @@ TEST(TruthHints, ARowThatJumpsAwayAndBackIsNamed) {
           << row << ' ' << size;
     }
   }
+  auto two = poses_at(times(40, kStep));
+  two[20].position.x() += 5.0;
+  two[21].position.x() += 5.0;
+  EXPECT_THAT(hints_of(two), ElementsAre(HasSubstr("groundtruth.tum:21: 2 true poses are")));
   auto flipped = poses_at(times(40, kStep));
   flipped[8].orientation = flipped[8].orientation * Eigen::Quaterniond(0, 1, 0, 0);
   EXPECT_THAT(hints_of(flipped), ElementsAre(HasSubstr("groundtruth.tum:9: the true pose is 1")));
