@@ -229,6 +229,9 @@ void read_description(const Path& file, StoredRun& stored) {
     if (!root.IsMap()) throw InputError(file, 1, "must be a map of keys to values");
     stored.own = text_at(root, "format") == run_files::kFormat;
     stored.estimator = printable(text_at(root, "estimator"));
+    if (const std::string words = text_at(root, "error_convention"); !words.empty()) {
+      stored.convention = parse_error_convention(words);
+    }
     if (const YAML::Node configuration = root["configuration"];
         configuration && configuration.IsMap()) {
       read_configuration(file, configuration, stored);
@@ -243,6 +246,8 @@ void read_description(const Path& file, StoredRun& stored) {
     }
   } catch (const YAML::Exception& error) {
     throw InputError(file, error.mark.line + 1, error.msg);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(file, 0, error.what());
   }
 }
 

@@ -12,13 +12,15 @@
 
 #include "datasets/sequence/sequence.h"
 #include "eval/result/run_result.h"
+#include "eval/trajectory/error_convention.h"
 
 namespace slammot {
 
 struct StoredRun {
-  std::string estimator;  // empty where run.yaml is missing
-  std::string landmark;   // its landmark model, likewise
-  bool own = false;       // run.yaml is in the format of this program
+  std::string estimator;                      // empty where run.yaml is missing
+  std::string landmark;                       // its landmark model, likewise
+  bool own = false;                           // run.yaml is in the format of this program
+  std::optional<ErrorConvention> convention;  // that run.yaml states, as others' may
   std::map<std::string, std::string> configuration;
   std::vector<std::string> from_sequence;         // its keys whose value the sequence decided
   std::optional<std::filesystem::path> sequence;  // that it was made from

@@ -120,14 +120,44 @@ void add_hint(const std::optional<std::string>& hint, std::vector<RunWarning>& w
 }
 
 // What another program may have written otherwise than it is read; then covariances become ours.
-void take_as_stated(const Sequence& sequence, const ForeignOptions& foreign, bool is_folder,
-                    RunResult& run) {
+void take_as_stated(const Sequence& sequence, const ErrorConvention& convention, RunResult& run) {
   const std::vector<PosePair> as_written = pair_with_truth(sequence, run.filtered);
-  const ErrorConvention convention = is_folder ? foreign.convention : ErrorConvention{};
   if (sequence.exact_truth) add_hint(other_covariances(as_written, convention), run.warnings);
   add_hint(other_poses(as_written, sequence.exact_truth), run.warnings);
   convert_covariances(convention, run.filtered);
   convert_covariances(convention, run.smoothed);
+}
+
+// Brings the poses to the frames and says what of them is hardly meant.
+void hint_at(const Path& path, const Sequence& sequence, const ForeignOptions& foreign,
+             StoredRun& stored) {
+  RunResult& run = stored.run;
+  const std::string clue =
+      unit_clue(run.filtered.front().timestamp, run.filtered.back().timestamp, sequence.frames);
+  const double difference =
+      place_in_time(path, sequence, stored.own ? TimeMatching{} : foreign.times, run);
+  take_truth_from(sequence, run);
+  if (!stored.own) {
+    const bool is_folder = std::filesystem::is_directory(path);
+    const ErrorConvention stated = stored.convention.value_or(foreign.convention);
+    take_as_stated(sequence, is_folder ? stated : ErrorConvention{}, run);
+  }
+  add_new(covariance_warning(run), run.warnings);
+  add_hint(few_poses(sequence, run, clue), run.warnings);
+  add_hint(times_differ(sequence, difference), run.warnings);
+  for (const std::string& hint : sequence.hints) add_hint(hint, run.warnings);
+}
+
+// `against`, or what the run says that it was made from.
+Path sequence_of(const Path& run, const std::optional<Path>& against) {
+  std::optional<Path> path = against;
+  if (!path && std::filesystem::is_directory(run)) path = read_run(run).sequence;
+  if (!path) throw InputError(run, 0, "names no sequence: give one with --against");
+  if (!against && !std::filesystem::exists(*path)) {
+    throw InputError(run / run_files::kDescription, 0,
+                     "its sequence " + path->string() + " is not there: give it with --against");
+  }
+  return *path;
 }
 
 std::optional<std::string> other_sequence(const StoredRun& stored, const Sequence& sequence) {
@@ -159,36 +189,15 @@ JudgedRun Judge::operator()(const Path& run, const std::optional<Path>& against)
   }
   JudgedRun judged;
   judged.path = run;
-  std::optional<Path> path = against;
-  if (!path && std::filesystem::is_directory(run)) path = read_run(run).sequence;
-  if (!path) throw InputError(run, 0, "names no sequence: give one with --against");
-  if (!against && !std::filesystem::exists(*path)) {
-    throw InputError(run / run_files::kDescription, 0,
-                     "its sequence " + path->string() + " is not there: give it with --against");
-  }
-  judged.sequence = sequence_at(*path);
+  judged.sequence = sequence_at(sequence_of(run, against));
   judged.stored = read_any(run, *judged.sequence);
   const auto other = other_sequence(judged.stored, *judged.sequence);
   if (other && !options_.force_sequence) {
     throw InputError(run / run_files::kDescription, 0,
                      *other + "; --force-sequence judges it all the same");
   }
-  RunResult& result = judged.stored.run;
-  const std::string clue = unit_clue(result.filtered.front().timestamp,
-                                     result.filtered.back().timestamp, judged.sequence->frames);
-  const bool own = judged.stored.own;
-  const double difference =
-      place_in_time(run, *judged.sequence, own ? TimeMatching{} : options_.foreign.times, result);
-  take_truth_from(*judged.sequence, result);
-  if (!own) {
-    take_as_stated(*judged.sequence, options_.foreign, std::filesystem::is_directory(run), result);
-  }
-  std::vector<RunWarning>& warnings = result.warnings;
-  add_new(covariance_warning(result), warnings);
-  add_hint(few_poses(*judged.sequence, result, clue), warnings);
-  add_hint(times_differ(*judged.sequence, difference), warnings);
-  for (const std::string& hint : judged.sequence->hints) add_hint(hint, warnings);
-  add_hint(other, warnings);
+  hint_at(run, *judged.sequence, options_.foreign, judged.stored);
+  add_hint(other, judged.stored.run.warnings);
   judged.estimator = estimator_name(run, judged.stored);
   judged.metrics =
       compute_metrics(*judged.sequence, judged.stored.run, judged.stored.gate_probability);

@@ -145,6 +145,23 @@ class Judge(WithFolder):
                 turns_about_the_origin = convention.endswith("spatial")  # far away: the second order is seen
                 self.assertAlmostEqual(found, np.mean(np.sum(drawn**2, axis=1)), delta=0.01 if turns_about_the_origin else 1e-4)
 
+    def test_a_run_states_its_own_convention(self):
+        run, = self.draw("stated", 1, "rotation-first,left,local")
+        said = self.errors(run, "--error-convention", "rotation-first,left,local")["nees"]
+        (run / "run.yaml").write_text("estimator: mine\nerror_convention: rotation-first,left,local\n")
+        self.assertEqual(self.errors(run)["nees"], said)
+        (run / "run.yaml").write_text("error_convention: rotation-first\n")
+        self.assert_refused(run, r"run\.yaml: the error convention 'rotation-first' is not of the form")
+
+    def test_all_36_numbers_of_a_covariance_are_read(self):
+        run, = self.draw("whole", 1)
+        upper = self.errors(run)["nees"]
+        rows = [",".join(f"{x:.17g}" for x in (t, *self.P.ravel())) for t in self.times]
+        (run / "pose_covariance.csv").write_text("\n".join(rows) + "\n")
+        self.assertEqual(self.errors(run)["nees"], upper)
+        (run / "pose_covariance.csv").write_text("\n".join([rows[0].replace(",", ",1", 2), *rows[1:]]) + "\n")
+        self.assert_refused(run, r"covariance\.csv:1: the 36 numbers are no symmetric matrix")
+
     def test_each_convention_of_one_covariance_gives_the_same_nees(self):
         run, = self.draw("run", 1)
         rows = np.loadtxt(run / "trajectory.tum")

@@ -198,8 +198,10 @@ def consistency(comparison, runs):
         reasons = {run.metric(run.judged, "nees_reason") for run in runs} - {None, ""}
         reason = listed(sorted(reasons)) if reasons else "no run has both a covariance and a truth"
         return [("Consistency", [f"Not judged: {reason}."])]
+    # That a lost run is as far off as it says is no praise: it may be so of what is left.
+    known = [run for run in known if run.competes or judged(nees_ratio(run) or math.inf) == "overconfident"]
     known.sort(key=lambda run: nees_ratio(run) or math.inf)
-    return [("Consistency", [consistency_of(run) for run in known])]
+    return [("Consistency", [consistency_of(run) for run in known])] if known else []
 
 
 def right_ratio(run):
