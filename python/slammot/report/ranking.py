@@ -126,7 +126,7 @@ def recommended(rows):
     """kind to the best configuration of that kind that is no oracle."""
     best = {}
     for row in rows:
-        if not row.oracle and math.isfinite(row.cost):
+        if not row.oracle and math.isfinite(row.cost) and row.diverged + row.failed < row.runs:
             best.setdefault(row.kind, row)
     return best
 
