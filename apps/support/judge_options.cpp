@@ -23,6 +23,11 @@ void add_judge_options(CLI::App& command, JudgeArguments& arguments) {
       ->type_name("ORDER,ROTATION,POSITION")
       ->capture_default_str();
   command
+      .add_option("--extrinsics", arguments.extrinsics,
+                  "of poses of a body made elsewhere: a file with T_BC, the camera in the body, as "
+                  "tx ty tz qx qy qz qw")
+      ->type_name("FILE");
+  command
       .add_option("--time-offset", arguments.time_offset,
                   "added to the times of runs made elsewhere")
       ->type_name("SECONDS");
@@ -41,11 +46,13 @@ namespace {
 // An option that changes nothing was meant to change something.
 void refuse_idle_options(const JudgeArguments& arguments, const std::vector<JudgedRun>& runs) {
   const bool stated = arguments.convention != JudgeArguments{}.convention ||
-                      arguments.time_offset != 0.0 || arguments.max_difference > 0.0;
+                      !arguments.extrinsics.empty() || arguments.time_offset != 0.0 ||
+                      arguments.max_difference > 0.0;
   const bool all_own = std::ranges::all_of(runs, [](const auto& run) { return run.stored.own; });
   if (stated && all_own) {
     throw std::invalid_argument(
-        "--error-convention, --time-offset and --max-difference are for runs made elsewhere: these "
+        "--error-convention, --extrinsics, --time-offset and --max-difference are for runs made "
+        "elsewhere: these "
         "are slammot's own, or stored by `report`, which has converted them");
   }
   const bool converted = std::ranges::any_of(runs, [](const auto& run) {
@@ -70,6 +77,9 @@ std::vector<JudgedRun> judged(const JudgeArguments& arguments) {
   options.foreign.times.offset = arguments.time_offset;
   if (arguments.max_difference > 0.0) {
     options.foreign.times.max_difference = arguments.max_difference;
+  }
+  if (!arguments.extrinsics.empty()) {
+    options.foreign.T_body_camera = read_extrinsics(arguments.extrinsics);
   }
   options.force_sequence = arguments.force_sequence;
   Judge judge(options);

@@ -128,6 +128,17 @@ void take_as_stated(const Sequence& sequence, const ErrorConvention& convention,
   convert_covariances(convention, run.smoothed);
 }
 
+// The same of a body's poses, whose covariances are about its error: the camera's are judged.
+void take_as_of_body(const Sequence& sequence, const ErrorConvention& convention,
+                     const Eigen::Isometry3d& T_body_camera, RunResult& run) {
+  for (auto* cameras : {&run.filtered, &run.smoothed}) {
+    convert_covariances(convention, *cameras);
+    for (CameraEstimate& camera : *cameras) to_camera(T_body_camera, camera);
+  }
+  add_hint(other_poses(pair_with_truth(sequence, run.filtered), sequence.exact_truth),
+           run.warnings);
+}
+
 // Brings the poses to the frames and says what of them is hardly meant.
 void hint_at(const Path& path, const Sequence& sequence, const ForeignOptions& foreign,
              StoredRun& stored) {
@@ -139,8 +150,13 @@ void hint_at(const Path& path, const Sequence& sequence, const ForeignOptions& f
   take_truth_from(sequence, run);
   if (!stored.own) {
     const bool is_folder = std::filesystem::is_directory(path);
-    const ErrorConvention stated = stored.convention.value_or(foreign.convention);
-    take_as_stated(sequence, is_folder ? stated : ErrorConvention{}, run);
+    const ErrorConvention stated =
+        is_folder ? stored.convention.value_or(foreign.convention) : ErrorConvention{};
+    if (foreign.T_body_camera) {
+      take_as_of_body(sequence, stated, *foreign.T_body_camera, run);
+    } else {
+      take_as_stated(sequence, stated, run);
+    }
   }
   add_new(covariance_warning(run), run.warnings);
   add_hint(few_poses(sequence, run, clue), run.warnings);

@@ -10,6 +10,7 @@
 #include "eval/output/metrics_table.h"
 #include "eval/output/run_reader.h"
 #include "eval/trajectory/error_convention.h"
+#include "eval/trajectory/extrinsics.h"
 
 namespace slammot {
 
@@ -17,6 +18,7 @@ namespace slammot {
 struct ForeignOptions {
   ErrorConvention convention;  // of their pose_covariance.csv
   TimeMatching times;
+  std::optional<Eigen::Isometry3d> T_body_camera;  // of poses that are a body's
 };
 
 struct JudgeOptions {

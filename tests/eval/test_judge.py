@@ -153,6 +153,32 @@ class Judge(WithFolder):
         (run / "run.yaml").write_text("error_convention: rotation-first\n")
         self.assert_refused(run, r"run\.yaml: the error convention 'rotation-first' is not of the form")
 
+    def test_poses_of_a_body_are_judged_as_those_of_its_camera(self):
+        camera, = self.draw("camera", 1)
+        expected = self.errors(camera)
+        q, t = so3.exp(np.array([0.4, -1.1, 0.7])), np.array([0.1, -0.2, 0.3])  # of the camera in the body
+        back = so3.exp(-np.array([0.4, -1.1, 0.7]))
+        poses, covariances = [], []
+        for row in np.loadtxt(camera / "trajectory.tum"):
+            q_body = so3.multiply(row[4:], back)
+            R = so3.matrix(q_body)
+            poses.append((q_body, row[1:4] - R @ t))
+            J = np.block([[np.eye(3), R @ so3.hat(t) @ so3.matrix(q)], [np.zeros((3, 3)), so3.matrix(q)]])
+            covariances.append(J @ self.P @ J.T)
+        body = self.here / "body"
+        write_tum(body / "trajectory.tum", self.times, poses)
+        write_covariances(body / "pose_covariance.csv", self.times, covariances)
+        file = self.here / "T_BC.txt"
+        file.write_text(" ".join(f"{x:.17g}" for x in (*t, *q)) + "\n")
+        self.assertIn("a constant rotation of", self.evaluate(body).stderr)
+        self.assertEqual(self.evaluate(body, "--extrinsics", file).stderr, "")
+        found = self.errors(body, "--extrinsics", file)
+        for part in ("pose", "position", "rotation"):
+            self.assertAlmostEqual(found["nees"][part]["mean"], expected["nees"][part]["mean"], delta=1e-6)
+        self.assertAlmostEqual(found["accuracy"]["rotation_rmse_deg"], expected["accuracy"]["rotation_rmse_deg"], delta=1e-9)
+        file.write_text("0 0 0 0 0 0\n")
+        self.assert_refused(body, r"T_BC\.txt:1: expected 7 fields", "--extrinsics", file)
+
     def test_all_36_numbers_of_a_covariance_are_read(self):
         run, = self.draw("whole", 1)
         upper = self.errors(run)["nees"]
