@@ -30,6 +30,26 @@ class OpencvVideo : public Video {
   int added_ = 0;
 };
 
+class OpencvVideoReader : public VideoReader {
+ public:
+  explicit OpencvVideoReader(const std::filesystem::path& file)
+      : capture_(file.string(), cv::CAP_FFMPEG) {}
+
+  bool is_open() const { return capture_.isOpened(); }
+  std::optional<double> grab() override {
+    if (!capture_.grab()) return std::nullopt;
+    return capture_.get(cv::CAP_PROP_POS_MSEC) / 1000.0;
+  }
+  cv::Mat picture() override {
+    cv::Mat picture;
+    capture_.retrieve(picture);
+    return picture.clone();  // what it points to is used again
+  }
+
+ private:
+  cv::VideoCapture capture_;
+};
+
 class OpencvCodecs : public Codecs {
  public:
   cv::Mat decode(const std::string& bytes) const override {
@@ -48,6 +68,11 @@ class OpencvCodecs : public Codecs {
   std::unique_ptr<Video> open_video(const std::filesystem::path& file, double rate,
                                     cv::Size size) const override {
     auto video = std::make_unique<OpencvVideo>(file, rate, size);
+    return video->is_open() ? std::move(video) : nullptr;
+  }
+
+  std::unique_ptr<VideoReader> read_video(const std::filesystem::path& file) const override {
+    auto video = std::make_unique<OpencvVideoReader>(file);
     return video->is_open() ? std::move(video) : nullptr;
   }
 };
