@@ -69,9 +69,9 @@ std::string noise_text(const TrackedImages& tracked, NoiseModel model) {
   }
   return fmt::format(
       "{:.4g} px as stated; measured {:.4g} px, q75 of the Sampson distance to a fundamental "
-      "matrix / 1.150, median over {} "
-      "pairs of frames {} apart",
-      tracked.sequence.pixel_sigma, tracked.noise->sigma, tracked.noise->pairs, tracked.noise->lag);
+      "matrix / 1.150, median over {} pairs of frames {} apart (quartiles {:.3g} and {:.3g} px)",
+      tracked.sequence.pixel_sigma, tracked.noise->sigma, tracked.noise->pairs, tracked.noise->lag,
+      tracked.noise->lower, tracked.noise->upper);
 }
 
 // The first true camera. Nothing is made of a truth that is not there.
