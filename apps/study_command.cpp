@@ -156,9 +156,14 @@ int execute(const StudyArguments& arguments) {
     return finish(study, output, {output}, options.jobs, arguments.force, record);
   }
   fmt::print(
-      "shard {} of {} is in {}; when all are there: slammot study {} --merge --output {}; or, of a "
+      "shard {} of {} is in {}; when all are there: slammot study {}{} --merge --output {}; or, of "
+      "a "
       "folder each: --merge DIR1 DIR2 ... --output DIR\n",
-      shard.index, shard.count, output.string(), arguments.study, output.string());
+      shard.index, shard.count, output.string(), arguments.study,
+      arguments.settings.empty()
+          ? ""
+          : fmt::format(" --set {}", fmt::join(arguments.settings, " --set ")),
+      output.string());
   return 0;
 }
 

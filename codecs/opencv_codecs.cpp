@@ -1,4 +1,5 @@
 // The module that frontend/codecs/codecs.h describes: OpenCV's image files and films.
+#include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -81,6 +82,7 @@ class OpencvCodecs : public Codecs {
 }  // namespace slammot
 
 extern "C" const slammot::Codecs* slammot_codecs() {
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // quiet: what is wrong is said in one line of ours
   static const slammot::OpencvCodecs codecs;
   return &codecs;
 }

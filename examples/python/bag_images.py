@@ -1,4 +1,5 @@
-"""Images of a ROS 1 bag (a file) or a ROS 2 bag (its folder, SQLite or MCAP) as a folder that `slammot track` reads, with their times (TUM's layout).
+"""Images of a ROS 1 bag (a file) or a ROS 2 bag (its folder, SQLite or MCAP) as a folder that `slammot track` reads, with
+their times (TUM's layout).
 
 usage: bag_images.py BAG TOPIC FOLDER    then: slammot track FOLDER --camera CALIBRATION.yaml --output SEQUENCE
 

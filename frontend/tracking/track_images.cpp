@@ -66,6 +66,11 @@ void take_size(const Sequence& images, const cv::Size& size, Camera& camera) {
                                  "{} px of the usual one are an assumption: --camera replaces it",
                                  size.width, size.height, camera.width, camera.height));
   }
+  if (camera.width > 0 && size != cv::Size(camera.width, camera.height)) {
+    throw InputError(images.folder, 0,
+                     fmt::format("the images are {} x {}, their camera is of {} x {} px",
+                                 size.width, size.height, camera.width, camera.height));
+  }
   camera.width = size.width;
   camera.height = size.height;
   if (const Fault fault = camera_fault(camera)) throw InputError(images.folder, 0, *fault);

@@ -41,6 +41,8 @@ class Habits(WithFolder):
         self.assertIn("0 runs done, 2 were there", program(*again).stdout)
         program("study", self.study(), "--output", self.folder / "plain", "--runs", 1)
         self.assertFalse((output / "results.jsonl").read_bytes() == (self.folder / "plain" / "results.jsonl").read_bytes())
+        shard = program(*command[:2], "--shard", "1/2", "--output", self.folder / "shards", "--set", "motion.adaptive=false").stdout
+        self.assertIn("--set motion.adaptive=false --merge --output", shard)
         for bad, reason in (("gate.probabilty=0.9", "gate.probability"), ("window.frames=4", "the study sets it for 'window'"),
                             ("classifier.static_threshold=1", "the study sweeps it"), ("gate.probability", "key=value")):
             self.assertIn(reason, program(*command, "--set", bad, code=2).stderr)

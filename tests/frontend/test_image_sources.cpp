@@ -122,6 +122,15 @@ TEST_F(Sources, AFilmHasItsOwnTimes) {
   EXPECT_GT(tracked.frames[7].observations.size(), 10u);
   ASSERT_EQ(slammot(on + "--rate 10"), 0) << error_;
   EXPECT_NEAR(read_native(output()).frames[7].timestamp, 0.7, 1e-12);
+  test::write_text(
+      folder_.path() / "wide.yaml",
+      "{model: pinhole, width: 640, height: 120, fx: 100, fy: 100, cx: 79.5, cy: 59.5}\n");
+  EXPECT_EQ(slammot("track '" + film.string() + "' --force --output '" + output().string() +
+                    "' --camera '" + (folder_.path() / "wide.yaml").string() + "'"),
+            2);
+  EXPECT_NE(error_.find("the images are 160 x 120, their camera is of 640 x 120 px"),
+            std::string::npos)
+      << error_;
   test::write_text(film, "no film");
   EXPECT_EQ(slammot(on), 2);
   EXPECT_EQ(error_, "slammot: " + film.string() + ": is no film that can be read\n");
