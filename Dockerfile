@@ -1,4 +1,4 @@
-# docker build -t slammot . && docker run --rm -v "$PWD:/data" -w /data slammot compare
+# docker build -t slammot . && docker run --rm --user "$(id -u):$(id -g)" -v "$PWD:/data" slammot compare
 FROM debian:bookworm AS build
 RUN apt-get update && apt-get install --yes --no-install-recommends ca-certificates
 COPY scripts/install-dependencies /source/scripts/
@@ -12,4 +12,9 @@ FROM debian:bookworm
 COPY --from=build /build/*.deb /tmp/
 RUN apt-get update && apt-get install --yes --no-install-recommends /tmp/*.deb \
  && rm -rf /tmp/*.deb /var/lib/apt/lists/*
+# Not root, so that root owns nothing that is written. `--user "$(id -u):$(id -g)"` writes as whoever calls.
+RUN useradd --create-home slammot && install --directory --owner slammot /data
+ENV MPLCONFIGDIR=/tmp/matplotlib
+USER slammot
+WORKDIR /data
 ENTRYPOINT ["slammot"]

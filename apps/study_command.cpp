@@ -1,6 +1,8 @@
 // slammot study STUDY.yaml: scenarios x estimators x swept values x seeds, in parallel.
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <csignal>
 #include <memory>
 #include <thread>
 
@@ -25,6 +27,7 @@ struct StudyArguments {
   std::string output;
   std::string shard;
   std::vector<std::string> merge;
+  std::vector<std::string> settings;
   std::string record_in;
   bool record = false;
   bool merge_only = false;
@@ -90,10 +93,31 @@ std::string runs_text(const Study& study) {
                      single == 0 ? "" : ", one of a recording without added noise");
 }
 
+// What is written when the program is told to stop: a signal handler may only use what is there.
+std::string& last_words() {
+  static std::string text;
+  return text;
+}
+
+extern "C" void stop(int signal) {
+  const std::string& text = last_words();
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, text.data(), text.size());
+  std::signal(signal, SIG_DFL);
+  raise(signal);
+}
+
+// By Ctrl-C, or by a cluster whose time is up.
+void tell_when_stopped(const std::filesystem::path& output, bool resume_must_be_asked) {
+  last_words() =
+      fmt::format("\nslammot: stopped; the finished runs are kept in {}. To go on: {}{}\n",
+                  output.string(), command_line(), resume_must_be_asked ? " --resume" : "");
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, stop);
+}
+
 int execute(const StudyArguments& arguments) {
   const Shard shard = parse_shard(arguments.shard);
   const RecordOptions record = record_of(arguments);
-  Study study = read_study(arguments.study);
+  Study study = read_study(arguments.study, arguments.settings);
   if (arguments.runs > 0) study.runs = arguments.runs;
   const std::filesystem::path output =
       arguments.output.empty() ? std::filesystem::path("slammot-out") / ("study-" + study.name)
@@ -124,16 +148,22 @@ int execute(const StudyArguments& arguments) {
   fmt::print("{}: {} scenarios and swept values x estimators, {}, {} at a time\n", study.name,
              study.cells.size(), runs_text(study), options.jobs);
   std::fflush(stdout);
-  const int ran = run_study(study, options);
+  tell_when_stopped(output, !resume);
+  const auto [ran, kept] = run_study(study, options);
   progress.clear();
-  fmt::print("{} runs done{}\n", ran, resume ? ", the others were there" : "");
+  fmt::print("{} runs done{}\n", ran, kept > 0 ? fmt::format(", {} were there", kept) : "");
   if (shard.count == 1) {
     return finish(study, output, {output}, options.jobs, arguments.force, record);
   }
   fmt::print(
-      "shard {} of {} is in {}; when all are there: slammot study {} --merge --output {}; or, of a "
+      "shard {} of {} is in {}; when all are there: slammot study {}{} --merge --output {}; or, of "
+      "a "
       "folder each: --merge DIR1 DIR2 ... --output DIR\n",
-      shard.index, shard.count, output.string(), arguments.study, output.string());
+      shard.index, shard.count, output.string(), arguments.study,
+      arguments.settings.empty()
+          ? ""
+          : fmt::format(" --set {}", fmt::join(arguments.settings, " --set ")),
+      output.string());
   return 0;
 }
 
@@ -149,6 +179,11 @@ void add_study(CLI::App& app, int& exit_code) {
       ->type_name("DIR");
   command->add_option("--runs", arguments->runs, "seeds of each cell, instead of the file's number")
       ->check(whole_number_from(1));
+  command
+      ->add_option("--set", arguments->settings,
+                   "a configuration key of all cells; may be repeated")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
   command->add_option("--jobs", arguments->jobs, "runs at a time; all cores without it")
       ->check(whole_number_from(1));
   auto* shard =

@@ -8,6 +8,7 @@
 
 #include "apps/commands.h"
 #include "apps/support/command_line.h"
+#include "apps/support/image_source.h"
 #include "apps/support/progress.h"
 #include "apps/support/usage.h"
 #include "apps/support/writable.h"
@@ -16,7 +17,6 @@
 #include "datasets/native/native_writer.h"
 #include "datasets/output/output_files.h"
 #include "datasets/output/output_folder.h"
-#include "datasets/readers/image_reader.h"
 #include "datasets/text/number.h"
 #include "datasets/text/text_table.h"
 #include "eval/provenance/provenance.h"
@@ -32,9 +32,8 @@ constexpr char kCommon[] = "common", kAlignment[] = "alignment";
 constexpr double kVelocitySigma = 0.1;  // [m/s] where --velocity-sigma states none
 
 struct TrackArguments {
-  std::string images;
+  ImageOptions source;
   std::string output;
-  std::string camera;
   std::string chessboard;
   std::string initial_velocity;          // VX,VY,VZ (W) [m/s]
   std::optional<double> velocity_sigma;  // [m/s]
@@ -70,9 +69,9 @@ std::string noise_text(const TrackedImages& tracked, NoiseModel model) {
   }
   return fmt::format(
       "{:.4g} px as stated; measured {:.4g} px, q75 of the Sampson distance to a fundamental "
-      "matrix / 1.150, median over {} "
-      "pairs of frames {} apart",
-      tracked.sequence.pixel_sigma, tracked.noise->sigma, tracked.noise->pairs, tracked.noise->lag);
+      "matrix / 1.150, median over {} pairs of frames {} apart (quartiles {:.3g} and {:.3g} px)",
+      tracked.sequence.pixel_sigma, tracked.noise->sigma, tracked.noise->pairs, tracked.noise->lag,
+      tracked.noise->lower, tracked.noise->upper);
 }
 
 // The first true camera. Nothing is made of a truth that is not there.
@@ -124,15 +123,66 @@ void state_known(const Path& file, Sequence& sequence) {
   }
 }
 
+std::string health_text(const TrackHealth& health) {
+  return fmt::format(
+      "{} tracks from an image to the next (median), {:.1f}% lost there; a track lives {} images "
+      "(median)",
+      health.followed, 100.0 * health.lost, health.life);
+}
+
+std::string camera_text(const Camera& camera, const std::string& source) {
+  return fmt::format("{} {} x {}, fx {}, fy {}, cx {}, cy {}, distortion [{}] ({})",
+                     lens_name(camera.lens), camera.width, camera.height, camera.fx, camera.fy,
+                     camera.cx, camera.cy, fmt::join(lens_distortion(camera.lens), ", "), source);
+}
+
 // How the measurements were made: track.yaml, for people.
 void add_description(const TrackArguments& arguments, const TrackedImages& tracked,
                      OutputFiles& files) {
+  std::string warnings;
+  for (const std::string& warning : tracked.warnings) {
+    warnings += fmt::format("{}\"{}\"", warnings.empty() ? "" : ", ", printable(warning));
+  }
   files.write(Path(arguments.output) / kTrackingOutput.mark,
               fmt::format("version: \"{}\"\ncommand: \"{}\"\nframes: {}\nframes_skipped: {}\n"
-                          "tracks: {}\npixel_sigma: \"{}\"\n",
+                          "tracks: {}\nfollowed: \"{}\"\npixel_sigma: \"{}\"\nwarnings: [{}]\n",
                           version_text(), command_line(), tracked.sequence.frames.size(),
-                          tracked.skipped.size(), tracked.tracks,
-                          noise_text(tracked, arguments.options.noise)));
+                          tracked.skipped.size(), tracked.tracks, health_text(tracked.health),
+                          noise_text(tracked, arguments.options.noise), warnings));
+}
+
+TrackedImages track(const ImagesToTrack& images, const TrackOptions& options) {
+  TrackedImages tracked = images.film ? track_images(images.sequence, images.film, options)
+                                      : track_images(images.sequence, options);
+  auto& warnings = tracked.warnings;
+  warnings.insert(warnings.begin(), images.warnings.begin(), images.warnings.end());
+  const size_t frames = tracked.sequence.frames.size();
+  // Of two frames the first may be without measurements, by --moving-start.
+  if (tracked.tracks == 0 || (tracked.health.most == 0 && frames > 2)) {
+    throw InputError(images.sequence.folder, 0,
+                     fmt::format("nothing was tracked: {} corners were found in {} images, none of "
+                                 "them in two{}{}",
+                                 tracked.tracks, frames, warnings.empty() ? "" : "; ",
+                                 fmt::join(warnings, "; ")));
+  }
+  for (std::string& fault : health_faults(tracked.health)) warnings.push_back(std::move(fault));
+  return tracked;
+}
+
+void print_summary(const ImagesToTrack& images, const TrackedImages& tracked, double seconds,
+                   const TrackArguments& arguments) {
+  const Sequence& sequence = tracked.sequence;
+  for (const std::string& reason : tracked.skipped) fmt::print("skipped: {}\n", reason);
+  const auto frames = static_cast<double>(sequence.frames.size());
+  fmt::print(
+      "{}: {} frames, {} skipped, {} tracks, {:.1f} frames/s\ncamera {}\nfollowed {}\n"
+      "pixel_sigma {}\n{}\n",
+      sequence.name, frames, tracked.skipped.size(), tracked.tracks, frames / seconds,
+      camera_text(sequence.camera, images.camera), health_text(tracked.health),
+      noise_text(tracked, arguments.options.noise), arguments.output);
+  for (const std::string& warning : tracked.warnings) {
+    fmt::print(stderr, "slammot: warning: {}\n", printable(warning));
+  }
 }
 
 int execute(TrackArguments arguments) {
@@ -141,34 +191,27 @@ int execute(TrackArguments arguments) {
     arguments.options.chessboard = parse_chessboard(arguments.chessboard);
   }
   if (arguments.noise == kAlignment) arguments.options.noise = NoiseModel::kAlignment;
-  Sequence images = read_images(arguments.images);
-  require_output(arguments.output, kSequenceOutput, arguments.force, arguments.images);
+  const ImagesToTrack images = find_images(arguments.source);
+  require_output(arguments.output, kSequenceOutput, arguments.force, arguments.source.images);
   require_own_files(arguments.output);
   require_own_mark(arguments.output, kTrackingOutput);
   require_writable_folder(arguments.output);
-  if (!arguments.camera.empty()) {
-    images.camera = read_camera_file(arguments.camera, read_text_file(arguments.camera));
-  }
   Progress progress;
   arguments.options.progress = [&](int done, int total) { progress.show("track", done, total); };
   const auto start = std::chrono::steady_clock::now();
-  TrackedImages tracked = track_images(images, arguments.options);
+  TrackedImages tracked = track(images, arguments.options);
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   progress.clear();
   state_velocity(arguments, tracked.sequence);
   if (!arguments.known.empty()) state_known(arguments.known, tracked.sequence);
-  add_room_truth(arguments.images, tracked.sequence);
+  add_room_truth(arguments.source.images, tracked.sequence);
   relocate_images(arguments.output, tracked.sequence);
   OutputFiles files;
   add_native(tracked.sequence, arguments.output, NativeParts::kAll, files);
   add_description(arguments, tracked, files);
   files.put_in_place();
-  for (const std::string& reason : tracked.skipped) fmt::print("skipped: {}\n", reason);
-  const auto frames = static_cast<double>(tracked.sequence.frames.size());
-  fmt::print("{}: {} frames, {} skipped, {} tracks, {:.1f} frames/s\npixel_sigma {}\n{}\n",
-             tracked.sequence.name, frames, tracked.skipped.size(), tracked.tracks,
-             frames / seconds, noise_text(tracked, arguments.options.noise), arguments.output);
+  print_summary(images, tracked, seconds, arguments);
   return 0;
 }
 
@@ -179,13 +222,10 @@ void add_track(CLI::App& app, int& exit_code) {
   TrackOptions& options = arguments->options;
   CLI::App* command =
       app.add_subcommand("track", "images to measurements: corners found and followed");
-  command->add_option("IMAGES", arguments->images, "folder with the images, see `list readers`")
-      ->required();
+  add_image_options(*command, arguments->source);
   command->add_option("--output", arguments->output, "folder to write")
       ->type_name("SEQUENCE")
       ->required();
-  command->add_option("--camera", arguments->camera, "the camera, instead of the sequence's own")
-      ->type_name("FILE.yaml");
   command
       ->add_option("--chessboard", arguments->chessboard,
                    "board in the first image: inner corners and pitch [m]; fixes the scale")

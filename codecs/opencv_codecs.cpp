@@ -1,4 +1,5 @@
 // The module that frontend/codecs/codecs.h describes: OpenCV's image files and films.
+#include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -30,6 +31,26 @@ class OpencvVideo : public Video {
   int added_ = 0;
 };
 
+class OpencvVideoReader : public VideoReader {
+ public:
+  explicit OpencvVideoReader(const std::filesystem::path& file)
+      : capture_(file.string(), cv::CAP_FFMPEG) {}
+
+  bool is_open() const { return capture_.isOpened(); }
+  std::optional<double> grab() override {
+    if (!capture_.grab()) return std::nullopt;
+    return capture_.get(cv::CAP_PROP_POS_MSEC) / 1000.0;
+  }
+  cv::Mat picture() override {
+    cv::Mat picture;
+    capture_.retrieve(picture);
+    return picture.clone();  // what it points to is used again
+  }
+
+ private:
+  cv::VideoCapture capture_;
+};
+
 class OpencvCodecs : public Codecs {
  public:
   cv::Mat decode(const std::string& bytes) const override {
@@ -50,12 +71,18 @@ class OpencvCodecs : public Codecs {
     auto video = std::make_unique<OpencvVideo>(file, rate, size);
     return video->is_open() ? std::move(video) : nullptr;
   }
+
+  std::unique_ptr<VideoReader> read_video(const std::filesystem::path& file) const override {
+    auto video = std::make_unique<OpencvVideoReader>(file);
+    return video->is_open() ? std::move(video) : nullptr;
+  }
 };
 
 }  // namespace
 }  // namespace slammot
 
 extern "C" const slammot::Codecs* slammot_codecs() {
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);  // quiet: what is wrong is said in one line of ours
   static const slammot::OpencvCodecs codecs;
   return &codecs;
 }

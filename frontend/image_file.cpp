@@ -28,9 +28,8 @@ bool is_truncated(std::string_view bytes) {
 
 const char* colour_name(int channels) { return channels == 1 ? "grey" : "colour"; }
 
-}  // namespace
-
-cv::Mat decode_image(const std::filesystem::path& file) {
+// Of 8 or 16 bits, 1 or 3 channels.
+cv::Mat decode(const std::filesystem::path& file) {
   const std::string bytes = read_text_file(file);
   if (bytes.empty()) throw InputError(file, 0, "the image is empty");
   if (is_truncated(bytes)) throw InputError(file, 0, "the image is truncated");
@@ -42,12 +41,26 @@ cv::Mat decode_image(const std::filesystem::path& file) {
     image.release();
   }
   if (image.empty()) throw InputError(file, 0, "is truncated or no image");
-  if (image.depth() != CV_8U) throw InputError(file, 0, "the image does not have 8 bits a channel");
+  if (image.depth() != CV_8U && image.depth() != CV_16U) {
+    throw InputError(file, 0, "the image has neither 8 nor 16 bits a channel");
+  }
+  if (image.channels() == 2) throw InputError(file, 0, "the image has two channels");
   return image;
 }
 
+cv::Mat eight_bits(cv::Mat image) {
+  // OpenCV rounds: so much less that each value becomes its high byte.
+  constexpr double kStep = 256.0;
+  if (image.depth() == CV_16U) image.convertTo(image, CV_8U, 1.0 / kStep, -0.5 + 0.5 / kStep);
+  return image;
+}
+
+}  // namespace
+
+cv::Mat decode_image(const std::filesystem::path& file) { return eight_bits(decode(file)); }
+
 cv::Mat ImageSource::read(const std::filesystem::path& file) {
-  cv::Mat image = decode_image(file);
+  cv::Mat image = decode(file);
   if (size_.area() == 0) size_ = image.size();
   if (image.size() != size_) {
     throw InputError(file, 0,
@@ -61,8 +74,24 @@ cv::Mat ImageSource::read(const std::filesystem::path& file) {
         fmt::format("the image is {}, those before it are {}; --mixed-colours takes both",
                     colour_name(image.channels()), colour_name(*channels_)));
   }
+  if (image.depth() == CV_16U) {
+    double largest = 0.0;
+    cv::minMaxLoc(image.reshape(1), nullptr, &largest);
+    largest_of_16_bits_ = std::max(largest_of_16_bits_, largest);
+    image = eight_bits(image);
+  }
   if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
   return image;
+}
+
+// Cameras of 10, 12 or 14 bits whose values were stored as they are.
+std::optional<std::string> ImageSource::depth_fault() const {
+  constexpr double kMostOf14Bits = 16383.0;
+  if (largest_of_16_bits_ == 0.0 || largest_of_16_bits_ > kMostOf14Bits) return std::nullopt;
+  return fmt::format(
+      "no value of the 16-bit images is above {}: their high byte, which is used, has {} grey "
+      "levels; scale the images to 16 bits",
+      largest_of_16_bits_, static_cast<int>(largest_of_16_bits_) / 256 + 1);
 }
 
 }  // namespace slammot

@@ -1,9 +1,10 @@
-// Images from files, one at a time: grey, and all of them alike.
+// Images from files, one at a time: 8 bits, grey, and all of them alike.
 #pragma once
 
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <string>
 
 namespace slammot {
 
@@ -17,18 +18,20 @@ class ImageSource {
       : size_(size), mixed_colours_(mixed_colours) {}
 
   // 8 bits, one channel; colour is converted. Throws InputError with the file and the reason:
-  // missing, truncated, not an image, not 8 bits, another size, or grey among colour.
+  // missing, truncated, not an image, neither 8 nor 16 bits, another size, or grey among colour.
   cv::Mat read(const std::filesystem::path& file);
 
-  cv::Size size() const { return size_; }
+  // Where the values of all 16-bit images read so far hardly reach their high byte: that.
+  std::optional<std::string> depth_fault() const;
 
  private:
   cv::Size size_;
   bool mixed_colours_;
   std::optional<int> channels_;
+  double largest_of_16_bits_ = 0.0;
 };
 
-// The image as it is stored: 8 bits, 1 or 3 channels (BGR). Throws InputError.
+// The image as it is stored, 1 or 3 channels (BGR), of 16 bits the high byte. Throws InputError.
 cv::Mat decode_image(const std::filesystem::path& file);
 
 }  // namespace slammot

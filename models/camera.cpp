@@ -1,5 +1,6 @@
 #include "models/camera.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace slammot {
@@ -60,32 +61,61 @@ std::optional<Bearing> Camera::unproject(const Eigen::Vector2d& pixel) const {
 
 namespace {
 
-// Each lens of the variant in turn, until one has the name.
-template <std::size_t I = 0>
-LensModel find_lens(std::string_view name, std::span<const double> distortion) {
-  if constexpr (I == std::variant_size_v<LensModel>) {
-    throw std::invalid_argument("unknown camera model '" + std::string(name) +
-                                "' (known: pinhole, radtan, which others call plumb_bob or "
-                                "Brown-Conrady, and equidistant, also called fisheye)");
-  } else {
-    using Lens = std::variant_alternative_t<I, LensModel>;
-    if (name != Lens::kName) return find_lens<I + 1>(name, distortion);
-    Lens lens{};
-    if (distortion.size() > lens.coefficients.size()) {
-      throw std::invalid_argument("camera model '" + std::string(name) + "' takes at most " +
-                                  std::to_string(lens.coefficients.size()) +
-                                  " distortion coefficients, not " +
-                                  std::to_string(distortion.size()));
-    }
-    for (std::size_t i = 0; i < distortion.size(); ++i) lens.coefficients[i] = distortion[i];
-    return lens;
+// `visit(lens)` of each lens of the variant, without coefficients, until it gives true.
+template <typename Visit, std::size_t... I>
+bool any_lens(const Visit& visit, std::index_sequence<I...>) {
+  return (visit(std::variant_alternative_t<I, LensModel>{}) || ...);
+}
+constexpr auto kLenses = std::make_index_sequence<std::variant_size_v<LensModel>>();
+
+std::string known_lenses() {
+  std::string text;
+  any_lens(
+      [&](const auto& lens) {
+        text += (text.empty() ? "" : ", ") + std::string(lens.kName) + " (also";
+        for (const std::string_view alias : lens.kAliases) text += " " + std::string(alias);
+        text += ")";
+        return false;
+      },
+      kLenses);
+  return text;
+}
+
+std::span<const double> without_zeros(std::span<const double> distortion, std::size_t kept) {
+  while (distortion.size() > kept && distortion.back() == 0.0) {
+    distortion = distortion.first(distortion.size() - 1);
   }
+  return distortion;
+}
+
+template <typename Lens>
+Lens lens_of(std::span<const double> stated) {
+  Lens lens{};
+  auto& coefficients = lens.coefficients;
+  const auto distortion = without_zeros(stated, coefficients.size());
+  if (distortion.size() > coefficients.size()) {
+    const bool rational = std::is_same_v<Lens, RadtanLens> && distortion.size() <= 8;
+    throw std::invalid_argument(
+        "camera model '" + std::string(lens.kName) + "' takes at most " +
+        std::to_string(coefficients.size()) + " distortion coefficients, not " +
+        std::to_string(distortion.size()) + (rational ? ": the model 'rational' takes 8" : ""));
+  }
+  std::ranges::copy(distortion, coefficients.begin());
+  return lens;
 }
 
 }  // namespace
 
 LensModel make_lens(std::string_view name, std::span<const double> distortion) {
-  return find_lens(name, distortion);
+  LensModel found;
+  const auto take = [&](const auto& lens) {
+    if (name != lens.kName && std::ranges::count(lens.kAliases, name) == 0) return false;
+    found = lens_of<std::decay_t<decltype(lens)>>(distortion);
+    return true;
+  };
+  if (any_lens(take, kLenses)) return found;
+  throw std::invalid_argument("unknown camera model '" + std::string(name) +
+                              "' (known: " + known_lenses() + ")");
 }
 
 std::string_view lens_name(const LensModel& lens) {

@@ -17,7 +17,8 @@
 
 namespace slammot {
 
-using LensModel = std::variant<PinholeLens, RadtanLens, EquidistantLens>;
+using LensModel =
+    std::variant<PinholeLens, RadtanLens, RationalLens, EquidistantLens, DoubleSphereLens>;
 
 struct Projection {
   Eigen::Vector2d pixel;
@@ -48,8 +49,8 @@ struct Camera {
   }
 };
 
-// `pinhole`, `radtan` or `equidistant` with its coefficients (0, 5 and 4; radtan and equidistant
-// also take fewer, the rest being zero). Throws std::invalid_argument with a reason.
+// The lens of a name or an alias (lens.h), with its coefficients: fewer are followed by zeros, and
+// zeros beyond the last count for nothing. Throws std::invalid_argument with a reason.
 LensModel make_lens(std::string_view name, std::span<const double> distortion);
 std::string_view lens_name(const LensModel& lens);
 std::span<const double> lens_distortion(const LensModel& lens);

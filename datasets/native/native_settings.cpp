@@ -1,32 +1,12 @@
 #include "datasets/native/native_settings.h"
 
+#include "datasets/camera/camera_file.h"
 #include "datasets/native/native_format.h"
 #include "datasets/sequence/plausible.h"
 #include "datasets/text/yaml_map.h"
 
 namespace slammot {
 namespace {
-
-Camera read_camera(YamlMap map) {
-  Camera camera;
-  const std::string model = map.text("model");
-  camera.width = map.positive_integer("width");
-  camera.height = map.positive_integer("height");
-  camera.fx = map.positive("fx");
-  camera.fy = map.positive("fy");
-  camera.cx = map.real("cx");
-  camera.cy = map.real("cy");
-  std::vector<double> distortion;
-  if (map.has("distortion")) distortion = map.list("distortion");
-  try {
-    camera.lens = make_lens(model, distortion);
-  } catch (const std::invalid_argument& error) {
-    map.refuse(map.take("model"), error.what());
-  }
-  map.finish();
-  if (const Fault fault = camera_fault(camera)) map.refuse(map.take("model"), *fault);
-  return camera;
-}
 
 StatedMotion read_motion(YamlMap map) {
   const StatedMotion motion{map.positive("acceleration"), map.positive("angular_acceleration")};
@@ -73,10 +53,6 @@ void read_settings(const std::filesystem::path& file, const std::string& text, S
   if (map.has("prior")) sequence.prior = read_prior(map.map("prior"));
   if (map.has("points")) sequence.points = map.positive_integer("points");
   map.finish();
-}
-
-Camera read_camera_file(const std::filesystem::path& file, const std::string& text) {
-  return read_camera(load_yaml(file, text));
 }
 
 InitialCamera read_initial(const std::filesystem::path& file, const std::string& text) {

@@ -9,9 +9,6 @@ namespace slammot {
 // sequence.yaml: name, camera, pixel sigma, and what is stated of motion and scene.
 void read_settings(const std::filesystem::path& file, const std::string& text, Sequence& sequence);
 
-// A file that holds nothing but a camera, as sequence.yaml has it under `camera`.
-Camera read_camera_file(const std::filesystem::path& file, const std::string& text);
-
 // initial.yaml.
 InitialCamera read_initial(const std::filesystem::path& file, const std::string& text);
 

@@ -3,10 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "datasets/camera/camera_file.h"
 #include "datasets/native/native_settings.h"
 #include "datasets/readers/foreign_images.h"
 #include "datasets/sequence/plausible.h"
-#include "datasets/text/yaml_map.h"
 
 namespace slammot {
 namespace {
@@ -28,27 +28,10 @@ struct CameraSensor {
   Eigen::Isometry3d T_body_camera;
 };
 
-Camera camera_of(YamlMap& map) {
-  const std::vector<int> size = map.counts("resolution");
-  if (size.size() != 2) map.refuse(map.take("resolution"), "'resolution' must have 2 numbers");
-  const Eigen::Vector4d intrinsics = map.vector<4>("intrinsics");
-  Camera camera{size[0],       size[1],       intrinsics(0), intrinsics(1),
-                intrinsics(2), intrinsics(3), PinholeLens{}};
-  const std::string model = map.text("distortion_model");
-  const std::string ours = model == "radial-tangential" ? "radtan" : model;
-  try {
-    camera.lens = make_lens(ours, map.list("distortion_coefficients"));
-  } catch (const std::invalid_argument& error) {
-    map.refuse(map.take("distortion_model"), error.what());
-  }
-  if (const Fault fault = camera_fault(camera)) map.refuse(map.take("intrinsics"), *fault);
-  return camera;
-}
-
 // Keys beside these (rate, comment, ...) are of no use here.
 CameraSensor read_sensor(const Path& file) {
   YamlMap map = load_yaml(file, read_text_file(file));
-  CameraSensor sensor{camera_of(map), Eigen::Isometry3d::Identity()};
+  CameraSensor sensor{read_listed_camera(map), Eigen::Isometry3d::Identity()};
   const Eigen::Matrix<double, 16, 1> rows = map.map("T_BS").vector<16>("data");
   sensor.T_body_camera.matrix() =
       Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(rows.data());

@@ -4,6 +4,7 @@
 #include "datasets/readers/euroc_images.h"
 #include "datasets/readers/kitti_images.h"
 #include "datasets/readers/kitti_raw_images.h"
+#include "datasets/readers/plain_images.h"
 #include "datasets/readers/tum_images.h"
 #include "datasets/text/text_table.h"
 
@@ -36,6 +37,10 @@ Sequence read_images(const std::filesystem::path& folder) try {
   const std::filesystem::directory_iterator listed(folder);          // throws where it may not be
   const ImageReaderRow* row = find_image_reader(folder);
   if (row) return row->read(folder);
+  if (has_plain_images(folder)) {
+    throw InputError(folder, 0,
+                     "images without times and camera: state --rate HZ and --camera FILE.yaml");
+  }
   std::string looked_for;
   for (const ImageReaderRow& known : image_reader_table()) {
     looked_for += (looked_for.empty() ? "" : "; nor ") + std::string(known.name) + ": " +

@@ -23,10 +23,11 @@ constexpr std::pair<std::string_view, Camera> kTumCameras[] = {
     {"freiburg3", {640, 480, 535.4, 539.2, 320.1, 247.6, PinholeLens{}}}};
 constexpr Camera kRosDefault{640, 480, 525.0, 525.0, 319.5, 239.5, PinholeLens{}};
 
-Camera camera_of(std::string_view text) {
+void state_camera(std::string_view text, Sequence& sequence) {
   const auto named = std::ranges::find_if(
       kTumCameras, [&](const auto& c) { return text.find(c.first) != std::string_view::npos; });
-  return named == std::end(kTumCameras) ? kRosDefault : named->second;
+  sequence.camera_assumed = named == std::end(kTumCameras);
+  sequence.camera = sequence.camera_assumed ? kRosDefault : named->second;
 }
 
 }  // namespace
@@ -39,7 +40,7 @@ Sequence read_tum_rgbd(const std::filesystem::path& folder) {
   Sequence sequence = foreign_sequence(folder);
   const std::filesystem::path file = folder / "rgb.txt";
   const std::string text = read_text_file(file);
-  sequence.camera = camera_of(text);
+  state_camera(text, sequence);
   TextTable table(file, text);
   while (table.next_blank_row(2)) {
     add_image(table, table.real(0), std::string(table.field(1)), sequence);

@@ -23,7 +23,8 @@ struct StatedMotion {
 struct Sequence {
   std::string name;
   Camera camera;
-  double pixel_sigma = 1.0;  // [px]
+  bool camera_assumed = false;  // nobody states it: a reader of images took a usual one
+  double pixel_sigma = 1.0;     // [px]
   std::optional<StatedMotion> motion;
   std::optional<LandmarkPrior> prior;
   std::optional<int> points;  // that the front end looked for in an image

@@ -15,13 +15,21 @@
 namespace slammot {
 namespace {
 
+void add_line(std::string& text, const std::string& line) {
+  if (!text.ends_with('\n')) text += '\n';
+  text += line + '\n';
+}
+
 class Reader {
  public:
-  explicit Reader(std::filesystem::path file) : file_(std::move(file)) {}
+  Reader(std::filesystem::path file, const std::vector<std::string>& settings)
+      : file_(std::move(file)), settings_(settings) {}
 
   Study read() {
     Study study;
     study.text = read_text_file(file_);
+    for (const std::string& setting : settings_)
+      add_line(study.text, std::string(kSetLine) + setting);
     YamlMap top = load_yaml(file_, study.text);
     if (const std::string format = top.text("format"); format != "slammot-study-1") {
       top.refuse(top.take("format"), "unknown format '" + format + "' (known: slammot-study-1)");
@@ -46,6 +54,9 @@ class Reader {
     read_latex(top, study);
     top.finish();
     try {
+      const Settings set = settings_in(study.text);
+      require_free(set, estimators, sweep);
+      all.insert(all.end(), set.begin(), set.end());
       study.cells = cross(scenarios, sweep, estimators, all);
     } catch (const std::invalid_argument& error) {
       throw InputError(file_, 0, error.what());
@@ -213,6 +224,7 @@ class Reader {
   }
 
   std::filesystem::path file_;
+  const std::vector<std::string>& settings_;
 };
 
 // A scenario's parameters are known only to its simulator, which checks them; a sequence is read.
@@ -235,10 +247,9 @@ void state_scripts(Study& study) {
   for (const StudyCell& cell : study.cells) {
     const std::string sha256 = estimator_sha256(cell.estimator);
     if (sha256.empty() || !stated.insert(cell.estimator).second) continue;
-    const std::string line = fmt::format("# {} sha256 {}\n", cell.estimator, sha256);
-    if (study.text.find(line) != std::string::npos) continue;  // the study.yaml of a folder
-    if (!study.text.ends_with('\n')) study.text += '\n';
-    study.text += line;
+    const std::string line = fmt::format("# {} sha256 {}", cell.estimator, sha256);
+    if (study.text.find(line + '\n') != std::string::npos) continue;  // the study.yaml of a folder
+    add_line(study.text, line);
   }
 }
 
@@ -258,8 +269,8 @@ bool Study::has_task(int task) const {
   return task / count < runs_of(static_cast<std::size_t>(task % count));
 }
 
-Study parse_study(const std::filesystem::path& file) {
-  Study study = Reader(file).read();
+Study parse_study(const std::filesystem::path& file, const std::vector<std::string>& settings) {
+  Study study = Reader(file, settings).read();
   try {
     check_figures(study);
   } catch (const std::invalid_argument& error) {
@@ -268,8 +279,8 @@ Study parse_study(const std::filesystem::path& file) {
   return study;
 }
 
-Study read_study(const std::filesystem::path& file) {
-  Study study = parse_study(file);
+Study read_study(const std::filesystem::path& file, const std::vector<std::string>& settings) {
+  Study study = parse_study(file, settings);
   state_scripts(study);
   try_scenarios(file, study);
   return study;

@@ -68,11 +68,13 @@ struct Study {
   std::uint64_t seed(int run) const { return first_seed + static_cast<std::uint64_t>(run); }
 };
 
-// The file alone. Throws InputError.
-Study parse_study(const std::filesystem::path& file);
+// The file alone. `settings` (KEY=VALUE) hold for every cell and become lines `# --set KEY=VALUE`
+// of the text, which are read again from there: a study is its text. Throws InputError,
+// also for a setting that is none, or that the study sets or sweeps itself.
+Study parse_study(const std::filesystem::path& file, const std::vector<std::string>& settings = {});
 
-// Throws InputError: everything is checked here, the scenarios by simulating each, before the first
+// Throws the same: everything is checked here, the scenarios by simulating each, before the first
 // run.
-Study read_study(const std::filesystem::path& file);
+Study read_study(const std::filesystem::path& file, const std::vector<std::string>& settings = {});
 
 }  // namespace slammot

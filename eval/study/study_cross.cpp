@@ -61,6 +61,34 @@ StudyCell cell_of(const NamedSettings& scenario, const Settings& values,
 
 bool is_of_scenario(std::string_view key) { return key.starts_with(kScenarioPrefix); }
 
+Settings settings_in(std::string_view text) {
+  Settings result;
+  for (size_t at = text.find(kSetLine); at != text.npos; at = text.find(kSetLine, at + 1)) {
+    if (at > 0 && text[at - 1] != '\n') continue;
+    const std::string_view line = text.substr(at, text.find('\n', at) - at);
+    const Assignment assignment = parse_assignment(std::string(line.substr(kSetLine.size())));
+    Configuration scratch;
+    assign(scratch, assignment);
+    result.emplace_back(assignment.key, assignment.value);
+  }
+  return result;
+}
+
+void require_free(const Settings& set, const std::vector<NamedSettings>& estimators,
+                  const std::vector<SweptKey>& sweep) {
+  for (const auto& [key, value] : set) {
+    for (const SweptKey& swept : sweep) {
+      if (swept.key == key) throw std::invalid_argument("--set " + key + ": the study sweeps it");
+    }
+    for (const NamedSettings& row : estimators) {
+      for (const auto& [own, its] : row.settings) {
+        if (own != key) continue;
+        throw std::invalid_argument("--set " + key + ": the study sets it for '" + row.label + "'");
+      }
+    }
+  }
+}
+
 std::vector<StudyCell> cross(const std::vector<NamedSettings>& scenarios,
                              const std::vector<SweptKey>& sweep,
                              const std::vector<NamedSettings>& estimators, const Settings& all) {

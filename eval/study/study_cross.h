@@ -23,6 +23,17 @@ struct SweptKey {
 
 bool is_of_scenario(std::string_view key);
 
+// How the lines of a study's text begin that `slammot study --set` adds.
+inline constexpr std::string_view kSetLine = "# --set ";
+
+// What these lines set. Throws std::invalid_argument for what is no key or no value.
+Settings settings_in(std::string_view text);
+
+// Throws std::invalid_argument for a key that the sweep or an estimator sets itself, for which it
+// would be without effect.
+void require_free(const Settings& set, const std::vector<NamedSettings>& estimators,
+                  const std::vector<SweptKey>& sweep);
+
 // In this order, estimators fastest; `all` is set for every one. Throws std::invalid_argument for
 // more than 100,000 combinations, and for an unknown estimator or key or a bad value.
 std::vector<StudyCell> cross(const std::vector<NamedSettings>& scenarios,

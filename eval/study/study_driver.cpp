@@ -53,7 +53,7 @@ class SharedProgress {
 
 }  // namespace
 
-int run_study(const Study& study, const StudyOptions& options) {
+StudyCount run_study(const Study& study, const StudyOptions& options) {
   Journal journal(options.output, options.shard.journal(), identity_of(study));
   const std::set<RunKey> finished =
       finished_runs(study, options.output, options.mix);  // of nobody else from now on
@@ -97,7 +97,7 @@ int run_study(const Study& study, const StudyOptions& options) {
     if (workers.empty()) work();  // fewer threads than asked for do the same
   }
   for (std::future<void>& worker : workers) worker.get();
-  return count;
+  return {count, of_shard - count};
 }
 
 }  // namespace slammot

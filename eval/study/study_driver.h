@@ -24,9 +24,13 @@ struct StudyOptions {
   std::function<void(const StudyProgress&)> progress;
 };
 
-// Runs what the folder does not hold yet, and returns how many that were. The results depend
+struct StudyCount {
+  int ran = 0, kept = 0;  // runs that were done, and that the folder held
+};
+
+// Runs what the folder does not hold yet. The results depend
 // neither on the jobs nor on the shards. claim_folder() beforehand, merge_runs() when all shards
 // are done.
-int run_study(const Study& study, const StudyOptions& options);
+StudyCount run_study(const Study& study, const StudyOptions& options);
 
 }  // namespace slammot

@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "datasets/text/nearest_names.h"
 #include "datasets/text/number.h"
 #include "eval/configuration/registry.h"
 
@@ -61,13 +62,14 @@ void require_ideal_covariance(const Study& study) {
 
 void require_number(const std::string& key) {
   if (std::ranges::find(kAnees, key) != std::end(kAnees)) return;
-  std::string known = fmt::format("{}", fmt::join(kAnees, ", "));
+  std::vector<std::string> known(std::begin(kAnees), std::end(kAnees));
   for (const Metric& metric : metric_table()) {
     if (metric.pooled == Pooled::kNot) continue;
     if (metric.key == key) return;
-    known += ", " + metric.key;
+    known.push_back(metric.key);
   }
-  throw std::invalid_argument(fmt::format("unknown number '{}' (known: {})", key, known));
+  throw std::invalid_argument(
+      fmt::format("unknown number '{}', the nearest are {}", key, nearest_names(key, known)));
 }
 
 void require_figure(const std::string& figure) {

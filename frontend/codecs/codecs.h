@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 
 namespace slammot {
@@ -16,6 +17,15 @@ class Video {
   virtual void add(const cv::Mat& picture) = 0;
   // Completes the file; false if it does not hold what was added.
   virtual bool finish() = 0;
+};
+
+// The pictures of a film, one after the other.
+class VideoReader {
+ public:
+  virtual ~VideoReader() = default;
+  // Goes to the next picture and gives its time [s]; nothing after the last.
+  virtual std::optional<double> grab() = 0;
+  virtual cv::Mat picture() = 0;
 };
 
 // What the module does. Its failures are empty images and null pointers, or a cv::Exception.
@@ -33,6 +43,8 @@ class Codecs {
   // MPEG-4, `rate` in Hz.
   virtual std::unique_ptr<Video> open_video(const std::filesystem::path& file, double rate,
                                             cv::Size size) const = 0;
+
+  virtual std::unique_ptr<VideoReader> read_video(const std::filesystem::path& file) const = 0;
 };
 
 // The module's one function.

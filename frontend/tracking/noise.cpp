@@ -149,6 +149,8 @@ std::optional<TrackNoise> measure_noise(const Sequence& sequence, NoiseModel mod
   }
   if (sigmas.empty()) return std::nullopt;
   noise.pairs = static_cast<int>(sigmas.size());
+  noise.lower = quantile(sigmas, 0.25);
+  noise.upper = quantile(sigmas, 0.75);
   noise.sigma = quantile(std::move(sigmas), 0.5);
   return noise;
 }

@@ -25,9 +25,10 @@ namespace slammot {
 enum class NoiseModel { kCommon, kAlignment };
 
 struct TrackNoise {
-  double sigma = 0.0;  // of each pixel coordinate; kAlignment: a [px]
-  int lag = 0;         // frames between the two of a pair
-  int pairs = 0;       // of frames
+  double sigma = 0.0;               // of each pixel coordinate; kAlignment: a [px]
+  int lag = 0;                      // frames between the two of a pair
+  int pairs = 0;                    // of frames
+  double lower = 0.0, upper = 0.0;  // quartiles over the pairs [px]: movers spread them
 };
 
 // What is stated at least [px]: the distances hold neither what of a track lasts for many frames

@@ -58,6 +58,24 @@ class ImageStream {
   std::future<Loaded> pending_;  // last: its task ends before what it uses
 };
 
+// A camera is read before its size is known.
+void take_size(const Sequence& images, const cv::Size& size, Camera& camera) {
+  if (images.camera_assumed && size != cv::Size(camera.width, camera.height)) {
+    throw InputError(images.folder, 0,
+                     fmt::format("the images are {} x {}; nobody states their camera, and the {} x "
+                                 "{} px of the usual one are an assumption: --camera replaces it",
+                                 size.width, size.height, camera.width, camera.height));
+  }
+  if (camera.width > 0 && size != cv::Size(camera.width, camera.height)) {
+    throw InputError(images.folder, 0,
+                     fmt::format("the images are {} x {}, their camera is of {} x {} px",
+                                 size.width, size.height, camera.width, camera.height));
+  }
+  camera.width = size.width;
+  camera.height = size.height;
+  if (const Fault fault = camera_fault(camera)) throw InputError(images.folder, 0, *fault);
+}
+
 // Missing files are cheaply found before the first image is decoded.
 void refuse_missing(const Sequence& images) {
   const std::vector<bool> present = images_present(images);
@@ -76,11 +94,11 @@ void keep_known_only(size_t seeds, Frame& first) {
 }
 
 // The board's outer corners become tracks 0 to 3, and these become known.
-BoardView seed_chessboard(const cv::Mat& image, const std::string& file, const Chessboard& board,
-                          const Sequence& sequence, Tracker& tracker) {
+BoardView seed_chessboard(const cv::Mat& image, const Chessboard& board, const Sequence& sequence,
+                          Tracker& tracker) {
   const auto view = find_chessboard(image, sequence.camera, board);
   if (!view) {
-    throw InputError(sequence.folder / file, 0,
+    throw InputError(sequence.folder, 0,
                      fmt::format("no chessboard of {}x{} inner corners is found in the first image",
                                  board.columns, board.rows));
   }
@@ -108,7 +126,7 @@ void keep_frame(const Sequence& images, size_t i, std::vector<Observation> obser
                 Sequence& sequence) {
   const int index = static_cast<int>(sequence.frames.size());
   sequence.frames.push_back({index, images.frames[i].timestamp, std::move(observations)});
-  sequence.images.push_back(images.images[i]);
+  if (!images.images.empty()) sequence.images.push_back(images.images[i]);
   if (!images.truth.empty()) sequence.truth.push_back(images.truth[i]);
 }
 
@@ -124,9 +142,9 @@ void track_all(const Sequence& images, const ImageFunction& image, const TrackOp
                TrackedImages& result) {
   Sequence& sequence = result.sequence;
   Tracker tracker(options.tracker);
-  ImageStream stream(images.images.size(), image, options);
+  ImageStream stream(images.frames.size(), image, options);
   std::optional<BoardView> board;
-  for (size_t i = 0; i < images.images.size(); ++i) {
+  for (size_t i = 0; i < images.frames.size(); ++i) {
     const Loaded loaded = stream.next();
     if (loaded.error) {
       if (!options.skip_bad_frames) throw *loaded.error;
@@ -134,19 +152,14 @@ void track_all(const Sequence& images, const ImageFunction& image, const TrackOp
       continue;
     }
     if (sequence.frames.empty()) {
-      sequence.camera.width = loaded.image.cols;
-      sequence.camera.height = loaded.image.rows;
-      if (const Fault fault = camera_fault(sequence.camera)) {
-        throw InputError(images.folder, 0, *fault);  // a camera is read before its size is known
-      }
+      take_size(images, loaded.image.size(), sequence.camera);
       if (options.chessboard) {
-        board =
-            seed_chessboard(loaded.image, images.images[i], *options.chessboard, sequence, tracker);
+        board = seed_chessboard(loaded.image, *options.chessboard, sequence, tracker);
       }
     }
     keep_frame(images, i, tracker.process(loaded.image), sequence);
     if (options.progress) {
-      options.progress(static_cast<int>(i) + 1, static_cast<int>(images.images.size()));
+      options.progress(static_cast<int>(i) + 1, static_cast<int>(images.frames.size()));
     }
   }
   if (sequence.frames.empty()) throw InputError(images.folder, 0, "no image can be read");
@@ -154,7 +167,7 @@ void track_all(const Sequence& images, const ImageFunction& image, const TrackOp
     throw InputError(
         images.folder, 0,
         fmt::format("{} of {} images cannot be used; the first: {}", result.skipped.size(),
-                    images.images.size(), result.skipped.front()));
+                    images.frames.size(), result.skipped.front()));
   }
   if (options.moving_start) {
     keep_known_only(board ? outer_corners(*options.chessboard).size() : 0, sequence.frames.front());
@@ -166,9 +179,12 @@ void track_all(const Sequence& images, const ImageFunction& image, const TrackOp
 
 TrackedImages track_images(const Sequence& images, const TrackOptions& options) {
   if (!options.skip_bad_frames) refuse_missing(images);
-  ImageSource source({images.camera.width, images.camera.height}, options.mixed_colours);
+  const cv::Size size(images.camera.width, images.camera.height);
+  ImageSource source(images.camera_assumed ? cv::Size() : size, options.mixed_colours);
   const auto read = [&](size_t place) { return source.read(images.folder / images.images[place]); };
-  return track_images(images, read, options);
+  TrackedImages tracked = track_images(images, read, options);
+  if (const auto fault = source.depth_fault()) tracked.warnings.push_back(*fault);
+  return tracked;
 }
 
 TrackedImages track_images(const Sequence& images, const ImageFunction& image,
@@ -185,6 +201,7 @@ TrackedImages track_images(const Sequence& images, const ImageFunction& image,
     for (const Observation& z : frame.observations) tracks.insert(z.track);
   }
   result.tracks = static_cast<int>(tracks.size());
+  result.health = track_health(result.sequence.frames);
   result.noise = measure_noise(result.sequence, options.noise);
   state_noise(result.noise, options.noise, result.sequence);
   return result;

@@ -8,6 +8,7 @@
 
 #include "datasets/sequence/sequence.h"
 #include "frontend/tracking/chessboard.h"
+#include "frontend/tracking/health.h"
 #include "frontend/tracking/noise.h"
 #include "frontend/tracking/tracker.h"
 
@@ -28,7 +29,9 @@ struct TrackedImages {
   Sequence sequence;  // frames 0, 1, ... of the images used; images as they were named
   std::optional<TrackNoise> noise;  // from which pixel_sigma follows; nothing: that is as it was
   int tracks = 0;
-  std::vector<std::string> skipped;  // why, one line each
+  TrackHealth health;
+  std::vector<std::string> skipped;   // why, one line each
+  std::vector<std::string> warnings;  // of what may be wrong with the images, one line each
 };
 
 // `images` as read_images() gives it. One image is decoded while the one before is tracked; none is

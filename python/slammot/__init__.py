@@ -7,7 +7,7 @@ import importlib
 from .estimator import (Camera, CameraEstimate, Diverged, Estimator, Frame, FrameReport, KnownLandmarks,
                         LandmarkEstimate, Setup)
 
-__version__ = "0.1.0"  # of the program
+__version__ = "0.2.0"  # of the program
 
 _LATER = {"evaluate": "judge.accuracy", "Evaluation": "judge.accuracy", "errors": "judge.accuracy", "align": "judge.accuracy",
           "nees": "judge.consistency", "anees": "judge.consistency", "Anees": "judge.consistency", "compare": "judge.paired",

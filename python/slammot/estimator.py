@@ -13,7 +13,7 @@ class Diverged(Exception):
 
 @dataclass(frozen=True)
 class Camera:
-    """`model` is pinhole, radtan or equidistant; the centre of the top-left pixel is (0, 0)."""
+    """`model` is one of those of docs/formats.md; the centre of the top-left pixel is (0, 0)."""
     model: str
     width: int
     height: int

@@ -192,7 +192,7 @@ const Fault kSettingsFaults[] = {
      "sequence.yaml:3: 'name' stands twice"},
     {"CameraModel", "sequence.yaml", "radtan", "fisheye62",
      "sequence.yaml:3: unknown camera model 'fisheye62'"},
-    {"Distortion", "sequence.yaml", "[0.1, 0.2]", "[0.1, 0.2, 0, 0, 0, 0]",
+    {"Distortion", "sequence.yaml", "[0.1, 0.2]", "[0.1, 0.2, 0, 0, 0, 1]",
      "sequence.yaml:3: camera model 'radtan' takes at most 5"},
     {"Focal", "sequence.yaml", "fx: 170", "fx: 0",
      "sequence.yaml:3: 'fx' must be greater than zero"},

@@ -2,77 +2,16 @@
 // frame out and counts it; and the same measurements come from any number of threads.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <cstdlib>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "datasets/native/native_reader.h"
 #include "frontend/tracking/noise.h"
-#include "tests/eval/fixture.h"
-#include "tests/paths.h"
+#include "tests/frontend/images_fixture.h"
 
 namespace slammot {
 namespace {
-
-using Path = std::filesystem::path;
-
-cv::Mat scene(int shift) {
-  cv::Mat image(120, 160, CV_8U);
-  for (int v = 0; v < image.rows; ++v) {
-    for (int u = 0; u < image.cols; ++u) {
-      const double x = u - shift, y = v;
-      image.at<uchar>(v, u) = static_cast<uchar>(128.0 + 50.0 * std::sin(0.31 * x + 0.2 * y) +
-                                                 50.0 * std::sin(0.17 * x - 0.29 * y));
-    }
-  }
-  return image;
-}
-
-class Images : public ::testing::Test {
- protected:
-  static constexpr int kCount = 6;
-
-  void SetUp() override {
-    std::string frames = "frame,timestamp,image\n";
-    for (int i = 0; i < kCount; ++i) {
-      frames += std::to_string(i) + "," + std::to_string(0.1 * i) + "," + name(i) + "\n";
-      std::filesystem::create_directories(image(i).parent_path());
-      cv::imwrite(image(i).string(), scene(2 * i));
-    }
-    test::write_text(sequence() / "frames.csv", frames);
-    test::write_text(
-        sequence() / "sequence.yaml",
-        "format: slammot-sequence-1\nname: small\npixel_sigma: 1\ncamera: {model: pinhole, "
-        "width: 160, height: 120, fx: 100, fy: 100, cx: 79.5, cy: 59.5}\n");
-  }
-
-  Path sequence() const { return folder_.path() / "images"; }
-  Path output() const { return folder_.path() / "tracked"; }
-  static std::string name(int i) {
-    return "i/" + std::to_string(i) + (i % 2 == 0 ? ".png" : ".jpg");
-  }
-  Path image(int i) const { return sequence() / name(i); }
-
-  int track(const std::string& more = "") {
-    return slammot("track '" + sequence().string() + "' --output '" + output().string() +
-                   "' --force " + more);
-  }
-  int slammot(const std::string& arguments) {
-    const std::string command = std::string("'") + test::kBinary + "' " + arguments + " >'" +
-                                (folder_.path() / "out").string() + "' 2>'" +
-                                (folder_.path() / "error").string() + "'";
-    const int status = std::system(command.c_str());
-    out_ = test::read_text(folder_.path() / "out");
-    error_ = test::read_text(folder_.path() / "error");
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
-  test::TemporaryFolder folder_;
-  std::string out_, error_;
-};
 
 TEST_F(Images, BecomeASequenceOfTheSameBytesWithAnyNumberOfThreads) {
   ASSERT_EQ(track("--threads 1"), 0) << error_;
@@ -94,10 +33,11 @@ void make_colour(const Path& image) {
   cv::cvtColor(scene(4), colour, cv::COLOR_GRAY2BGR);
   cv::imwrite(image.string(), colour);
 }
-void make_16_bits(const Path& image) {
-  cv::Mat deep;
-  scene(4).convertTo(deep, CV_16U, 256.0);
-  cv::imwrite(image.string(), deep);
+void make_real(const Path& image) {
+  cv::Mat real;
+  scene(4).convertTo(real, CV_32F);
+  cv::imwrite(image.string() + ".tiff", real);
+  std::filesystem::rename(image.string() + ".tiff", image);
 }
 void make_narrow(const Path& image) { cv::imwrite(image.string(), scene(0).colRange(0, 100)); }
 
@@ -113,7 +53,8 @@ TEST_F(Images, ABadOneIsNamedOrSkippedAndCounted) {
        {Bad{2, cut_short, "truncated"}, Bad{3, cut_short, "truncated"},
         Bad{4, [](const Path& p) { std::filesystem::remove(p); }, "frame 4 of 6 is missing"},
         Bad{1, [](const Path& p) { test::write_text(p, "this is text"); }, "no image"},
-        Bad{2, make_narrow, "the image is 100x120, not 160x120"}, Bad{2, make_16_bits, "8 bits"},
+        Bad{2, make_narrow, "the image is 100x120, not 160x120"},
+        Bad{2, make_real, "neither 8 nor 16 bits"},
         Bad{2, make_colour,
             "the image is colour, those before it are grey; --mixed-colours takes both"}}) {
     spoil(image(frame));

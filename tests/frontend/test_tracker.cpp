@@ -181,6 +181,7 @@ TEST(Noise, IsMeasuredAmongMovingPoints) {
     constexpr double kMost = 1.863 / 1.150;
     EXPECT_GT(noise->sigma, 0.9 * sigma);
     EXPECT_LT(noise->sigma, 1.1 * kMost * sigma);
+    EXPECT_TRUE(noise->lower < noise->sigma && noise->sigma < noise->upper);
   }
 }
 

@@ -1,7 +1,7 @@
 // The readers of sequences.
 #include <cmath>
 
-#include "datasets/native/native_settings.h"
+#include "datasets/camera/camera_file.h"
 #include "datasets/readers/author_reader.h"
 #include "datasets/readers/image_reader.h"
 #include "datasets/readers/reader.h"
@@ -51,7 +51,7 @@ void read_measured(const Path& folder) { check(read_sequence(folder)); }
 void read_imaged(const Path& folder) { check_frames(read_images(folder)); }
 void read_camera_alone(const Path& folder) {
   const Path file = folder / "camera.yaml";
-  const Camera camera = read_camera_file(file, read_text_file(file));
+  const Camera camera = read_camera_file(file, read_text_file(file)).camera;
   require(std::isfinite(camera.fx * camera.fy), "the camera");
 }
 

@@ -161,16 +161,17 @@ void PrintTo(const Camera& camera, std::ostream* out) { *out << lens_name(camera
 
 namespace {
 
-INSTANTIATE_TEST_SUITE_P(Lenses, ObservationJacobians,
-                         testing::Values(camera_with("pinhole", {}),
-                                         camera_with("radtan", {-0.2967, 0.0809, 1e-3, -2e-3}),
-                                         camera_with("radtan",
-                                                     {-0.2967, 0.0809, 1e-3, -2e-3, 0.01}),
-                                         camera_with("equidistant", {-0.02, 0.003, -0.004, 0.001})),
-                         [](const auto& tested) {
-                           return std::string(lens_name(tested.param.lens)) +
-                                  std::to_string(tested.index);
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Lenses, ObservationJacobians,
+    testing::Values(camera_with("pinhole", {}),
+                    camera_with("radtan", {-0.2967, 0.0809, 1e-3, -2e-3}),
+                    camera_with("radtan", {-0.2967, 0.0809, 1e-3, -2e-3, 0.01}),
+                    camera_with("rational", {0.52, -0.61, 3e-4, -2e-4, 0.49, 0.40, -0.43, 0.42}),
+                    camera_with("double_sphere", {-0.2, 0.6}),
+                    camera_with("equidistant", {-0.02, 0.003, -0.004, 0.001})),
+    [](const auto& tested) {
+      return std::string(lens_name(tested.param.lens)) + std::to_string(tested.index);
+    });
 
 TEST(CameraNoise, BothDiscretisationsGiveTheVelocityTheSameVariance) {
   CameraState x;
