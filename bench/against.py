@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-SAME_METHOD = ["classifier=thesis", "labels.memory=0", "labels.sightings=2", "labels.first_frame=static", "gate.given_others=1", "prior.steady_time=0"]
+SAME_METHOD = ["classifier=thesis", "labels.memory=0", "labels.sightings=2", "labels.births=static_first", "gate.given_others=1", "prior.steady_time=0"]
 TURNS = 2
 
 

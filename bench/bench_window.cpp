@@ -60,7 +60,7 @@ void static_window(benchmark::State& state) {
   Configuration configuration = thesis_configuration(options);
   configuration.model.classifier.name = "all_static";
   configuration.model.labels.rule = LabelRule::kOneWay;
-  configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
+  configuration.model.labels.births = Births::kStaticFirst;
   Configuration converged =
       configuration;  // what any smoother of this model and graph converges to
   converged.window.iterations = 50;

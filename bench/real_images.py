@@ -31,7 +31,7 @@ AT_REST, MOVED = 0.6, 3.0  # [px], residuals; the true poses are not exact eithe
 ESTIMATORS = ["ekf", "window", "static_world", "five_point"]
 FIRST_FRAMES = range(1, 40, 4)  # 0, 2, 4, .. 38 took part in choosing the motion of the camera noise (docs/models.md)
 SETTINGS = [("pixel_sigma=0.2",), ("pixel_sigma=0.5",), ("motion.acceleration=3", "motion.angular_acceleration=3"), ("motion.adaptive=false",),
-            ("gate.given_others=1",), ("prior.mean_sigma=0.1",), ("policy.max_visible=30",), ("labels.first_frame=static",)]
+            ("gate.given_others=1",), ("prior.mean_sigma=0.1",), ("policy.max_visible=30",), ("labels.births=static_first",)]
 
 
 def claim(output, program):

@@ -17,6 +17,7 @@
 #include "estimation/gate.h"
 #include "estimation/in_force.h"
 #include "estimation/landmark_estimate.h"
+#include "estimation/remembered_motions.h"
 #include "estimation/seen_depth.h"
 #include "estimation/track_policy.h"
 
@@ -82,21 +83,21 @@ class Belief {
   // 0 is used as a measurement.
   virtual void collapse(std::span<const int> tracks) = 0;
 
-  // What the motion of static landmarks that update() used would be, were it not held at rest; of
-  // those whose motion is still remembered (LabelOptions::memory), the others being as they are
-  // labelled. Filled in as motions().
-  virtual void constrained_motions(std::span<const int> /*tracks*/,
-                                   std::vector<MotionBelief>& result) {
-    result.clear();
+  // What the motions of static landmarks that update() used would be, were they not held at rest;
+  // of those whose motion is still remembered (LabelOptions::memory).
+  virtual void constrained_motions(std::span<const int> /*tracks*/, RememberedMotions& result) {
+    result.reset(0, 0);
   }
 
   // Before predict(): the motions of these static landmarks are remembered no longer
   // (modules/label_revision.h).
   virtual void forget_motions(std::span<const int> /*tracks*/) {}
 
-  // A static landmark whose motion is remembered is free again as if it had never been static: what
-  // the label has done to the rest is undone.
-  virtual void release(int track, const LandmarkPrior& prior) { free(track, prior); }
+  // Static landmarks whose motion is remembered are free again as if they had never been static:
+  // what their rest has done to the others is undone.
+  virtual void release(std::span<const int> tracks, const TrackRecords& records) {
+    for (const int track : tracks) free(track, records.at(track).prior);
+  }
 
   // A static landmark is free again from this frame on, its motion's prior restored.
   virtual void free(int track, const LandmarkPrior& prior) = 0;

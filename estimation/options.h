@@ -22,12 +22,10 @@ enum class LabelRule { kOneWay, kReversible };
 inline constexpr Choice<LabelRule> kLabelRules[] = {{"one_way", LabelRule::kOneWay},
                                                     {"reversible", LabelRule::kReversible}};
 
-// Landmarks of the first frame; see first_frame.h.
-enum class FirstFrameLabels { kStatic, kUnknown, kOdds };
-inline constexpr Choice<FirstFrameLabels> kFirstFrameLabels[] = {
-    {"odds", FirstFrameLabels::kOdds},
-    {"static", FirstFrameLabels::kStatic},
-    {"unknown", FirstFrameLabels::kUnknown}};
+// Landmarks whose label is open; see modules/births.h.
+enum class Births { kHeld, kStaticFirst, kFree };
+inline constexpr Choice<Births> kBirths[] = {
+    {"held", Births::kHeld}, {"static_first", Births::kStaticFirst}, {"free", Births::kFree}};
 
 // On static: marginalise w (thesis), or use w = 0.
 enum class Collapse { kDrop, kCondition };
@@ -82,14 +80,13 @@ struct ClassifierOptions {
   std::map<std::string, double> own = own_numbers();
 };
 
-// Whether labels may be undone, modules/label_revision.h, and those of the first frame,
-// first_frame.h.
+// Whether labels may be undone, modules/label_revision.h, and what is believed before there is one,
+// modules/births.h.
 struct LabelOptions {
   LabelRule rule = LabelRule::kReversible;
   int sightings = 3;  // measurements of a landmark, its first included, until it is labelled
   int memory = 60;    // reversible: frames for which a static landmark's motion is remembered
-  FirstFrameLabels first_frame = FirstFrameLabels::kOdds;
-  int start_over = 40;  // odds: frames in which one that is rejected starts the run over
+  Births births = Births::kHeld;
 };
 
 // Of a correct measurement passing, on its own and given all others that passed (gate.h); 1: not

@@ -53,7 +53,7 @@ void make_room(const TrackRecords& records, std::size_t births, const TrackPolic
   const auto most = static_cast<std::size_t>(policy.max_landmarks);
   if (records.size() + births <= most) return;
   for (const auto& [track, record] : records) {
-    if (record.label == Label::kStatic && record.unused_frames > 0) result.push_back(track);
+    if (rests(record) && record.unused_frames > 0) result.push_back(track);
   }
   const std::size_t surplus = std::min(records.size() + births - most, result.size());
   const auto unseen = [&](int track) { return std::pair(-records.at(track).unused_frames, track); };

@@ -12,8 +12,10 @@ namespace slammot {
 struct TrackRecord {
   int track = 0;
   Label label = Label::kUnknown;
-  bool by_rule = false;     // static because it was in the first frame (modules/first_frame.h)
-  bool known = false;       // beforehand: its label is a statement
+  bool by_rule = false;  // static because it was in the first frame (modules/births.h)
+  bool known = false;    // beforehand: its label is a statement
+  bool is_held =
+      false;  // unknown, and at rest until evidence says that it moves (modules/births.h)
   bool was_moving = false;  // has ever been taken for moving
   int first_frame = 0;
   int last_frame = 0;
@@ -33,6 +35,11 @@ struct TrackRecord {
       static_nis;  // of its latest measurements while static (modules/label_revision.h)
   std::vector<double> classifier_memory;  // see ClassifierMemory (classification.h)
 };
+
+// Whether the belief has it at rest.
+inline bool rests(const TrackRecord& record) {
+  return record.label == Label::kStatic || record.is_held;
+}
 
 using TrackRecords = std::map<int, TrackRecord>;  // by track
 

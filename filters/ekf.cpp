@@ -259,7 +259,7 @@ std::unique_ptr<Estimator> make_ekf(const Setup& setup, const ModelOptions& mode
                                     const EkfOptions& options) {
   check_options(options);
   return std::make_unique<FrameLoop>(
-      setup, models, [=] { return std::make_unique<Ekf>(setup, models, options); },
+      setup, models, std::make_unique<Ekf>(setup, models, options),
       options.linearisation == FilterLinearisation::kIdeal ? setup.truth : nullptr);
 }
 

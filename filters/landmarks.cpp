@@ -1,5 +1,6 @@
 // The rows of landmarks in the EKF's state.
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 #include "filters/ekf.h"
 
@@ -21,19 +22,27 @@ void Ekf::forget_motions(std::span<const int> tracks) {
   for (const int track : tracks) state_.forget_motion(track);
 }
 
-void Ekf::constrained_motions(std::span<const int> tracks, std::vector<MotionBelief>& result) {
-  result.clear();
+void Ekf::constrained_motions(std::span<const int> tracks, RememberedMotions& result) {
+  const auto block = [&](int track) { return state_.landmarks.at(track).constrained_block; };
+  const auto remembered = std::ranges::count_if(tracks, [&](int t) { return block(t).dim > 0; });
+  result.reset(remembered, functions_.motion);
   for (const int track : tracks) {
     const FilterLandmark& landmark = state_.landmarks.at(track);
     if (!landmark.is_constrained()) continue;
-    const auto found = state_.constrained_motion(track);
-    if (!found) continue;
-    MotionBelief& motion = result.emplace_back();
-    motion.track = track;
-    motion.w = found->mean;
-    motion.covariance = found->covariance;
-    motion.density_scale = functions_.density_scale(landmark_state(landmark.y, found->mean));
+    const std::size_t i = result.size();
+    result.add(track, landmark.y);
+    result.vector(i) = landmark.information_vector;
+    for (std::size_t k = 0; k <= i; ++k) {
+      const MotionMatrix J =
+          -state_.covariance.block(landmark.constrained_block, block(result.track(k)));
+      result.information(i, k) = J;
+      result.information(k, i) = J.transpose();
+    }
   }
+}
+
+void Ekf::release(std::span<const int> tracks, const TrackRecords& records) {
+  for (const int track : tracks) release(track, records.at(track).prior);
 }
 
 // y is that of the time at which it came to rest, and moves on by F_yw w.

@@ -30,13 +30,9 @@ class Batch final : public Estimator {
                 /*noise_tells_scale=*/true},  // as in the cost that Ceres minimises
                false) {
     if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);
-    const auto make_window = [=, this] {
-      histories_ = {};
-      auto window = std::make_unique<Window>(setup, models, front, &histories_);
-      window_ = window.get();
-      return window;
-    };
-    front_ = std::make_unique<FrameLoop>(setup, models, make_window);
+    auto window = std::make_unique<Window>(setup, models, front, &histories_);
+    window_ = window.get();
+    front_ = std::make_unique<FrameLoop>(setup, models, std::move(window));
   }
 
   void keep_predictions() override { front_->keep_predictions(); }
@@ -191,7 +187,7 @@ LandmarkEstimate Batch::estimate(const BatchLandmark& landmark,
   belief.anchor = graph_.value(l.anchor);
   belief.y = x.head<3>();
   // One that moved once has a chain, but a static one has no velocity to tell.
-  const bool is_static = landmark.history.record.label == Label::kStatic;
+  const bool is_static = rests(landmark.history.record);
   const Eigen::Index motion = is_static ? 0 : x.size() - 3;
   belief.w = x.tail(x.size() - 3).head(motion);
   const JointMatrix& P = equations.joint(landmark.id);

@@ -55,7 +55,7 @@ void find_camera(const ImageOptions& options, ImagesToTrack& found) {
 
 void find_truth(const std::filesystem::path& file, Sequence& sequence) {
   const std::vector<TimedPose> poses = read_poses(file, read_text_file(file));
-  sequence.truth = interpolate_truth(poses, sequence.frames);
+  sequence.truth = true_cameras(poses, sequence.frames);
   for (const auto& truth : sequence.truth) {
     if (truth) return;
   }

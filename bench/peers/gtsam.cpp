@@ -33,7 +33,7 @@ Configuration static_world(int window, const std::vector<std::string>& settings)
   Configuration configuration;
   configuration.model.classifier.name = "all_static";
   configuration.model.labels.rule = LabelRule::kOneWay;
-  configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
+  configuration.model.labels.births = Births::kStaticFirst;
   configuration.model.depth_prior = DepthPriorSource::kFixed;
   configuration.model.gate = {1.0 - 1e-9, 1.0};
   configuration.model.adaptive_motion = false;

@@ -7,96 +7,34 @@
 
 namespace slammot {
 
-namespace {
-
-// In one frame, so that its time is bounded. What is still wrong waits for the next.
-constexpr int kMostRevisions = 10;
-
-// Frames that are processed again, in units of those that the first labels are open for: in one
-// frame and in a run. `circle` and `square` need one and five, the desk among the recordings three
-// and fifteen.
-constexpr int kMostAnewInAFrame = 4, kMostAnew = 25;
-
-}  // namespace
-
-FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, MakeBelief make_belief,
+// Jacobians at the truth need no care for movers, and a covariance there must not depend on the
+// estimate.
+FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, std::unique_ptr<Belief> belief,
                      std::shared_ptr<const Truth> truth_for_view)
     : setup_(setup),
       models_(models),
-      make_belief_(std::move(make_belief)),
-      truth_for_view_(std::move(truth_for_view)),
-      first_(models.labels),
       point_(find_point(models.point)),
       gate_(models.gate, setup.pixel_sigma),
       policy_(models.policy),
-      noise_(setup.camera_noise, false) {
-  // Jacobians at the truth need no such care.
-  if (truth_for_view_) policy_.movers = Movers::kJoint;
-  start();
-}
-
-void FrameLoop::start() {
-  belief_ = make_belief_();
-  manager_ = std::make_unique<LandmarkManager>(setup_, models_, first_, truth_for_view_);
-  // A covariance at the truth must not depend on the estimate.
-  noise_ = AdaptiveCameraNoise(setup_.camera_noise, models_.adaptive_motion && !truth_for_view_);
-  timestamp_.reset();
-  widened_ = considered_frames_ = refused_by_others_ = 0;
+      belief_(std::move(belief)),
+      manager_(setup, models, truth_for_view),
+      noise_(setup.camera_noise, models.adaptive_motion && !truth_for_view) {
+  if (truth_for_view) policy_.movers = Movers::kJoint;
 }
 
 FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
   if (timestamp_ && !(frame.timestamp > *timestamp_)) {
     throw std::invalid_argument("the time of a frame must be later than that of the one before");
   }
-  first_.begin(frame);
-  if (!first_.is_open()) return advance(frame, stages);
-  const TrackRecords before = manager_->records();
-  FrameReport report = advance(frame, stages);
-  start_over(before, stages, report);
-  return report;
-}
-
-// A label of the first frame must be undone: the frames so far are processed again without it, and
-// again while another is to be undone.
-void FrameLoop::start_over(const TrackRecords& before, StageListener& stages, FrameReport& report) {
-  const int frames = static_cast<int>(first_.frames().size());
-  const int most = std::min(kMostAnewInAFrame * models_.labels.start_over,
-                            kMostAnew * models_.labels.start_over - anew_);
-  for (int k = 1; undone_from_the_start_ && k <= kMostRevisions && k * frames <= most; ++k) {
-    first_.drop(*undone_from_the_start_);
-    anew_ += frames;
-    report = process_again(before, stages);
-  }
-  if (anew_ + frames > kMostAnew * models_.labels.start_over) first_.close();
-}
-
-// What is reported of the frames before is the end of those landmarks that were in the state
-// `before`.
-FrameReport FrameLoop::process_again(const TrackRecords& before, StageListener& stages) {
-  start();
-  FrameReport report;
-  std::vector<LandmarkEstimate> retired;
-  for (const Frame& frame : first_.frames()) {
-    const bool is_newest = &frame == &first_.frames().back();
-    report = advance(frame, stages);
-    std::ranges::copy_if(report.retired, std::back_inserter(retired), [&](const auto& landmark) {
-      return is_newest || before.contains(landmark.track);
-    });
-  }
-  report.retired = std::move(retired);
-  return report;
-}
-
-FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
   FrameReport report;
   const double dt = time_since_last(frame);
   const CameraEstimate before = timestamp_ ? belief_->camera() : CameraEstimate{};
 
   // Predict camera and free landmarks; known landmarks enter.
   stages.begin("predict");
-  manager_->forget_motions(*belief_);
-  belief_->predict(frame, dt, noise_.of_next(), manager_->records());
-  manager_->add_known(frame, *belief_, report);
+  manager_.forget_motions(*belief_);
+  belief_->predict(frame, dt, noise_.of_next(), manager_.records());
+  manager_.add_known(frame, *belief_, report);
 
   // Gate the measurements of landmarks in the belief.
   stages.begin("gate");
@@ -108,7 +46,7 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
 
   // Update with what passed; movers may be considered only.
   stages.begin("update");
-  find_considered(accepted_, manager_->records(), policy_, considered_);
+  find_considered(accepted_, manager_.records(), policy_, considered_);
   belief_->update(accepted_, considered_, stages);
 
   // Read the update's marginals before labels change.
@@ -117,18 +55,18 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
 
   // Classify what was measured.
   stages.begin("classify");
-  manager_->record(frame.index, accepted_, unused_);
-  manager_->classify(frame.index, accepted_, *belief_);
+  manager_.record(frame.index, accepted_, unused_);
+  manager_.classify(frame.index, accepted_, *belief_);
 
   // Collapse what is static now; undo static labels that are rejected.
   stages.begin("collapse");
-  manager_->collapse(manager_->now_static(), *belief_);
-  undone_from_the_start_ = manager_->undo_labels(in_view_, *belief_);
+  manager_.collapse(manager_.now_static(), *belief_);
+  manager_.undo_labels(frame.index, in_view_, *belief_);
 
   // Prune landmarks and initialise new ones.
   stages.begin("manage");
-  manager_->prune(frame.index, *belief_, report);
-  manager_->initialise_new(frame, *belief_, report);
+  manager_.prune(frame.index, *belief_, report);
+  manager_.initialise_new(frame, *belief_, report);
   belief_->finish();
   count_what_is_left(report);
   return report;
@@ -137,12 +75,12 @@ FrameReport FrameLoop::advance(const Frame& frame, StageListener& stages) {
 void FrameLoop::look_at_marginals(const CameraEstimate& before, double dt) {
   considered_frames_ += considered_.empty() ? 0 : 1;
   if (noise_.adapts() && dt > 0.0) noise_.learn(before, belief_->camera(), dt);
-  if (manager_->watches_innovations()) {
+  if (manager_.watches_innovations()) {
     belief_->leave_one_out(given_others_);
-    manager_->note_innovations(given_others_);
-    manager_->note_innovations(explained_by_motion_);
+    manager_.note_innovations(given_others_);
+    manager_.note_innovations(explained_by_motion_);
   }
-  manager_->look_at_depths(accepted_, *belief_);
+  manager_.look_at_depths(accepted_, *belief_);
 }
 
 // Of what the frame leaves behind, like the size of the state.
@@ -170,7 +108,7 @@ InForce FrameLoop::in_force() const {
   const bool asks_others = models_.gate.given_others < 1.0;
   result.push_back({"gate given all others", "gate.given_others", asks_others, "",
                     asks_others ? refused_by_others_ : 0});
-  manager_->in_force(result);
+  manager_.in_force(result);
   const bool considers = policy_.movers == Movers::kConsidered;
   const bool is_asked = models_.policy.movers == Movers::kConsidered;
   result.push_back({"movers considered", "policy.movers", considers,
@@ -188,16 +126,16 @@ CameraEstimate FrameLoop::camera() const {
 
 std::vector<LandmarkEstimate> FrameLoop::landmarks() const {
   std::vector<int> tracks;
-  for (const auto& [track, record] : manager_->records()) tracks.push_back(track);
-  return manager_->estimates(tracks, *belief_);
+  for (const auto& [track, record] : manager_.records()) tracks.push_back(track);
+  return manager_.estimates(tracks, *belief_);
 }
 
 std::vector<LandmarkEstimate> FrameLoop::landmarks_measured(int index) const {
   std::vector<int> tracks;
-  for (const auto& [track, record] : manager_->records()) {
+  for (const auto& [track, record] : manager_.records()) {
     if (record.last_frame == index) tracks.push_back(track);
   }
-  return manager_->estimates(tracks, *belief_);
+  return manager_.estimates(tracks, *belief_);
 }
 
 }  // namespace slammot

@@ -6,7 +6,7 @@
 // they are kept.
 #pragma once
 
-#include <functional>
+#include <memory>
 
 #include "estimation/belief.h"
 #include "estimation/gate.h"
@@ -15,14 +15,11 @@
 
 namespace slammot {
 
-// Makes the belief before the first frame.
-using MakeBelief = std::function<std::unique_ptr<Belief>()>;
-
 class FrameLoop final : public Estimator {
  public:
-  // `make_belief`: called anew when the run starts over (first_frame.h). `truth_for_view`: see
-  // LandmarkManager. Throws std::invalid_argument as that does.
-  FrameLoop(const Setup& setup, const ModelOptions& models, MakeBelief make_belief,
+  // `belief`: before the first frame. `truth_for_view`: see LandmarkManager. Throws
+  // std::invalid_argument as that does.
+  FrameLoop(const Setup& setup, const ModelOptions& models, std::unique_ptr<Belief> belief,
             std::shared_ptr<const Truth> truth_for_view = nullptr);
 
   void keep_predictions() override { keeps_predictions_ = true; }
@@ -39,7 +36,7 @@ class FrameLoop final : public Estimator {
 
   InForce in_force() const override;
 
-  const TrackRecords& records() const { return manager_->records(); }
+  const TrackRecords& records() const { return manager_.records(); }
 
  private:
   // Of the frame's static landmarks: whether most agree with the accepted measurements, and the
@@ -49,10 +46,6 @@ class FrameLoop final : public Estimator {
     double median_nis = 0.0;
   };
 
-  void start();
-  FrameReport advance(const Frame& frame, StageListener& stages);
-  void start_over(const TrackRecords& before, StageListener& stages, FrameReport& report);
-  FrameReport process_again(const TrackRecords& before, StageListener& stages);
   double time_since_last(const Frame& frame);
   void gate(const Frame& frame, double dt, FrameReport& report);
   void split_by_gate(double dt, FrameReport& report);
@@ -65,23 +58,16 @@ class FrameLoop final : public Estimator {
 
   Setup setup_;
   ModelOptions models_;
-  MakeBelief make_belief_;
-  std::shared_ptr<const Truth> truth_for_view_;
-  FirstFrame first_;
   const PointFunctions& point_;
   FrameGate gate_;
   TrackPolicy policy_;  // as it acts
   bool keeps_predictions_ = false;
 
-  // Made anew when the run starts over.
   std::unique_ptr<Belief> belief_;
-  std::unique_ptr<LandmarkManager> manager_;
+  LandmarkManager manager_;
   AdaptiveCameraNoise noise_;
   std::optional<double> timestamp_;
-  std::optional<int> undone_from_the_start_;  // a track of the first frame, by the newest frame
-
-  int anew_ = 0;  // frames processed again, in the whole run
-  // How often mechanisms have acted, since the run started over.
+  // How often mechanisms have acted.
   long widened_ = 0, considered_frames_ = 0, refused_by_others_ = 0;
 
   // Of the frame in hand; kept for their memory.

@@ -10,7 +10,7 @@ namespace slammot {
 void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
   measured_.clear();
   for (const Observation& z : frame.observations) {
-    if (manager_->holds(z.track)) measured_.push_back(z);
+    if (manager_.holds(z.track)) measured_.push_back(z);
   }
   belief_->innovations(measured_, innovation_);
   gate_.judge(innovation_);
@@ -29,13 +29,13 @@ void FrameLoop::split_by_gate(double dt, FrameReport& report) {
     in_view_.push_back(z);
     if (gate_.accepts(i)) {
       accepted_.push_back(z);
-      report.accepted_static += manager_->records().at(z.track).label == Label::kStatic ? 1 : 0;
+      report.accepted_static += rests(manager_.records().at(z.track)) ? 1 : 0;
       report.nis_sum += gate_.nis(i);
       continue;
     }
     unused_.push_back(z.track);
     refused_by_others_ += gate_.accepts_alone(i) ? 1 : 0;
-    const double moved = moved_px(manager_->records().at(z.track), setup_.camera, dt);
+    const double moved = moved_px(manager_.records().at(z.track), setup_.camera, dt);
     if (!gate_.accepts_moved(innovation_, i, moved)) continue;
     explained_by_motion_.push_back(
         {z.track, gate_.accepts_alone(i) ? gate_.nis_given_others(i) : gate_.nis(i)});
@@ -74,7 +74,7 @@ FrameLoop::Agreement FrameLoop::agreement() {
   nis_.clear();
   nis_of_agreed_.clear();
   for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
-    if (manager_->records().at(innovation_.z[i].track).label != Label::kStatic) continue;
+    if (!rests(manager_.records().at(innovation_.z[i].track))) continue;
     nis_.push_back(gate_.nis(i));
     if (gate_.agrees(i)) nis_of_agreed_.push_back(gate_.nis(i));
   }
@@ -95,7 +95,7 @@ void FrameLoop::note_predictions(FrameReport& report) {
                                   gate_.accepts(i) ? Measured::kAccepted : Measured::kRejected});
   }
   std::vector<int> others;
-  for (const auto& [track, record] : manager_->records()) {
+  for (const auto& [track, record] : manager_.records()) {
     if (!std::ranges::binary_search(measured_, track, {}, &Observation::track)) {
       others.push_back(track);
     }

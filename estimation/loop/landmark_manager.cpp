@@ -2,12 +2,13 @@
 
 #include <algorithm>
 
+#include "estimation/modules/births.h"
 #include "models/landmarks/true_state.h"
 #include "models/points/observation.h"
 
 namespace slammot {
 
-LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models, FirstFrame& first,
+LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
                                  std::shared_ptr<const Truth> truth_for_view)
     : setup_(setup),
       models_(models),
@@ -17,8 +18,8 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
       depth_prior_(learns_depths(models.depth_prior, setup.initial, !setup.known.empty()),
                    setup.prior),
       truth_(std::move(truth_for_view)),
-      first_(first),
-      memory_(motion_memory(models, functions_)) {
+      memory_(motion_memory(models, functions_)),
+      births_(births_in_force(models.labels.births, memory_)) {
   if (!functions_.point.exists(Eigen::Vector3d::UnitZ(), setup.prior.inverse_depth)) {
     throw std::invalid_argument("point " + models.point + " needs prior.inverse_depth above 0");
   }
@@ -68,7 +69,7 @@ void LandmarkManager::note_innovations(std::span<const LeaveOneOut> innovations)
 void LandmarkManager::look_at_depths(std::span<const Observation> accepted, Belief& belief) {
   tracks_.clear();
   for (const Observation& z : accepted) {
-    if (records_.at(z.track).label == Label::kStatic) tracks_.push_back(z.track);
+    if (rests(records_.at(z.track))) tracks_.push_back(z.track);
   }
   belief.inverse_depths(tracks_, depths_);
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
@@ -121,45 +122,57 @@ void LandmarkManager::collapse(std::span<const int> tracks, Belief& belief) {
 }
 
 // Only of landmarks that were measured in this frame: nothing else can have contradicted a label.
-std::optional<int> LandmarkManager::undo_labels(std::span<const Observation> measured,
-                                                Belief& belief) {
+void LandmarkManager::undo_labels(int frame, std::span<const Observation> measured,
+                                  Belief& belief) {
   tracks_.clear();
   for (const Observation& z : measured) {
-    if (records_.at(z.track).label == Label::kStatic) tracks_.push_back(z.track);
+    if (rests(records_.at(z.track))) tracks_.push_back(z.track);
   }
-  belief.constrained_motions(tracks_, motions_);
-  complete_motions();
-  answers_.clear();
-  for (const MotionBelief& motion : motions_) {
-    TrackRecord& record = records_.at(motion.track);
-    note_motion(record, motion);
-    answers_.push_back(classifier_->decide(motion, record.classifier_memory));
-  }
-  find_undoing(records_, tracks_, motions_, answers_, undoing_);
-  return apply(undoing_, belief);
+  belief.constrained_motions(tracks_, remembered_);
+  const auto ask = [this](std::size_t i) { return ask_remembered(i); };
+  find_undoing(records_, tracks_, remembered_, ask, undoing_);
+  note_motions(frame);
+  apply(undoing_, belief);
 }
 
-// A label of the first frame is undone by processing the frames again, one at a time: the label
-// whose motion is remembered, else the one that innovations reject most clearly.
-std::optional<int> LandmarkManager::apply(const Undoing& undoing, Belief& belief) {
-  std::optional<int> from_the_start;
-  for (const int track : undoing.free) {
-    TrackRecord& record = records_.at(track);
-    if (!first_.undoes_from_the_start(record)) {
-      note_reverted(record);
-      belief.free(track, record.prior);
-      ++undone_;
-    } else if (!from_the_start || log_tail(record) < log_tail(records_.at(*from_the_start))) {
-      from_the_start = track;
-    }
+// What the classifier says of a landmark at rest, by the motion that it would have. One that is
+// held is not asked before its third sighting, as those that are free (is_asked).
+std::optional<MotionAnswer> LandmarkManager::ask_remembered(std::size_t i) {
+  auto motion = remembered_.motion(i, functions_);
+  if (!motion) return std::nullopt;
+  TrackRecord& record = records_.at(motion->track);
+  motion->prior_sigmas = functions_.prior_sigmas(record.prior);
+  if (record.is_held && record.observations < models_.labels.sightings) {
+    return MotionAnswer{*motion, Label::kUnknown};
   }
-  if (!undoing.release) return from_the_start;
-  TrackRecord& record = records_.at(*undoing.release);
-  if (first_.undoes_from_the_start(record)) return undoing.release;
-  note_reverted(record);
-  belief.release(record.track, record.prior);
-  ++released_;
-  return from_the_start;
+  return MotionAnswer{*motion, answer(*motion, record)};
+}
+
+// Of those that are not released: one that is held may be static from now on, and one that is
+// static may be so beyond doubt.
+void LandmarkManager::note_motions(int frame) {
+  for (std::size_t i = 0; i < remembered_.size(); ++i) {
+    const auto answer = ask_remembered(i);
+    if (!answer) continue;  // released
+    TrackRecord& record = records_.at(answer->motion.track);
+    if (record.is_held && answer->label == Label::kStatic) {
+      record.is_held = false;
+      note_answer(record, Label::kStatic, frame);
+      ++answered_;
+    }
+    if (!record.is_held) note_motion(record, answer->motion);
+  }
+}
+
+void LandmarkManager::apply(const Undoing& undoing, Belief& belief) {
+  for (const int track : undoing.free) {
+    note_reverted(records_.at(track));
+    belief.free(track, records_.at(track).prior);
+  }
+  undone_ += std::ssize(undoing.free);
+  for (const int track : undoing.release) note_reverted(records_.at(track));
+  if (!undoing.release.empty()) belief.release(undoing.release, records_);
+  released_ += std::ssize(undoing.release);
 }
 
 // With what the classifier asks besides.
@@ -204,16 +217,6 @@ void LandmarkManager::prune(int frame, Belief& belief, FrameReport& report) {
   remove(belief, report);
 }
 
-TrackRecord LandmarkManager::record_at_birth(int track, int frame, const LandmarkPrior& prior) {
-  const Label given = classifier_->at_birth(track);
-  if (given != Label::kUnknown || frame != first_frame_) {
-    return initialised(track, frame, given, prior);
-  }
-  TrackRecord record = initialised(track, frame, first_.label(track), prior);
-  record.by_rule = first_.is_rule();
-  return record;
-}
-
 // Thesis 2.1.3: undelayed, at the first pixel.
 void LandmarkManager::initialise_new(const Frame& frame, Belief& belief, FrameReport& report) {
   unmatched_.clear();
@@ -229,15 +232,14 @@ void LandmarkManager::initialise_new(const Frame& frame, Belief& belief, FrameRe
   tracks_.clear();
   for (const Observation& z : unmatched_) {
     if (records_.size() >= most) break;
-    TrackRecord record = record_at_birth(z.track, frame.index, prior);
-    // A label that may be undone from the start: its motion is remembered from the start.
-    const bool remembers = first_.undoes_from_the_start(record) && memory_ > 0;
-    if (!belief.add(z, prior, record.label != Label::kStatic || remembers)) continue;
-    if (remembers) tracks_.push_back(z.track);
+    TrackRecord record = record_at_birth(z.track, frame.index, frame.index == first_frame_,
+                                         classifier_->at_birth(z.track), births_, prior);
+    if (!belief.add(z, prior, !rests(record) || record.is_held)) continue;
+    if (record.is_held) tracks_.push_back(z.track);
     records_[z.track] = std::move(record);
     ++report.admitted;
   }
-  remembered_at_birth_ += std::ssize(tracks_);
+  held_ += std::ssize(tracks_);
   collapse(tracks_, belief);
 }
 
@@ -248,22 +250,17 @@ void LandmarkManager::in_force(InForce& result) const {
   const std::string no_memory = why_no_memory(m, functions_);
   const bool can_move = functions_.can_move;
   const std::string at_rest = can_move ? "" : "landmark=" + std::string(functions_.name);
+  const bool remembers = labels.memory > 0;
   const bool odds = m.classifier.name == "odds";
   result.push_back({"labels by posterior odds", "classifier", odds && can_move, odds ? at_rest : "",
                     odds ? answered_ : 0});
-  const bool by_odds = labels.first_frame == FirstFrameLabels::kOdds;
-  const bool may_undo = by_odds && reversible;
-  const std::string one_way = by_odds && !reversible ? "labels=one_way" : "";
-  result.push_back({"first frame's labels undone from the start", "labels.first_frame", may_undo,
-                    one_way, first_.dropped()});
-  result.push_back({"first frame's motions remembered", "labels.first_frame",
-                    may_undo && memory_ > 0, one_way, remembered_at_birth_});
+  const bool held = labels.births == Births::kHeld;
+  result.push_back({"births held at rest", "labels.births", births_ == Births::kHeld,
+                    held ? (remembers ? no_memory : "labels.memory=0") : "", held_});
   const bool condition = m.collapse == Collapse::kCondition;
   result.push_back({"rest used as a measurement", "collapse", condition && can_move,
                     condition ? at_rest : "", condition ? collapsed_ : 0});
-  result.push_back(
-      {"labels undone", "labels", reversible, "", undone_ + released_ + first_.dropped()});
-  const bool remembers = labels.memory > 0;
+  result.push_back({"labels undone", "labels", reversible, "", undone_ + released_});
   result.push_back({"labels undone by a remembered motion", "labels.memory", memory_ > 0,
                     remembers ? no_memory : "", released_});
   const bool learns = m.depth_prior != DepthPriorSource::kFixed;

@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "estimation/belief.h"
-#include "estimation/modules/first_frame.h"
 #include "estimation/modules/label_revision.h"
 
 namespace slammot {
@@ -15,7 +14,7 @@ class LandmarkManager {
  public:
   // `truth_for_view`: none, or the truth of a run whose Jacobians are taken there.
   // Throws std::invalid_argument for an unknown landmark model, classifier or policy.
-  LandmarkManager(const Setup& setup, const ModelOptions& models, FirstFrame& first,
+  LandmarkManager(const Setup& setup, const ModelOptions& models,
                   std::shared_ptr<const Truth> truth_for_view);
 
   const TrackRecords& records() const { return records_; }
@@ -33,9 +32,9 @@ class LandmarkManager {
   const std::vector<int>& now_static() const { return now_static_; }
   // Free landmarks become static, (3.3).
   void collapse(std::span<const int> tracks, Belief& belief);
-  // Static landmarks whose label must be undone are free again (label_revision.h). Returns one of
-  // the first frame that is to be undone from the start, which is for the loop to do.
-  std::optional<int> undo_labels(std::span<const Observation> measured, Belief& belief);
+  // Landmarks at rest whose label must be undone are free again, and those held by their births get
+  // their label (label_revision.h).
+  void undo_labels(int frame, std::span<const Observation> measured, Belief& belief);
   void prune(int frame, Belief& belief, FrameReport& report);
   void initialise_new(const Frame& frame, Belief& belief, FrameReport& report);
 
@@ -46,11 +45,12 @@ class LandmarkManager {
   std::vector<LandmarkEstimate> estimates(std::span<const int> tracks, const Belief& belief) const;
 
  private:
-  std::optional<int> apply(const Undoing& undoing, Belief& belief);
+  std::optional<MotionAnswer> ask_remembered(std::size_t i);
+  void note_motions(int frame);
+  void apply(const Undoing& undoing, Belief& belief);
   void complete_motions();  // motions_
   Label answer(const MotionBelief& motion, TrackRecord& record) const;
   void remove(Belief& belief, FrameReport& report);  // tracks_
-  TrackRecord record_at_birth(int track, int frame, const LandmarkPrior& prior);
   bool expected_in_view(int frame, const CameraState& camera, const LandmarkPoint& point) const;
 
   Setup setup_;
@@ -60,18 +60,17 @@ class LandmarkManager {
   DepthPrior depth_prior_;
   std::shared_ptr<const Truth> truth_;
   std::map<int, KnownLandmark> known_;  // stated, not measured yet
-  FirstFrame& first_;
   std::optional<int> first_frame_;
   TrackRecords records_;
-  int memory_;  // frames for which the motion of a static landmark is remembered
-  long undone_ = 0, released_ = 0, answered_ = 0, collapsed_ = 0, learnt_ = 0,
-       remembered_at_birth_ = 0;
+  int memory_;     // frames for which the motion of a static landmark is remembered
+  Births births_;  // as they act
+  long undone_ = 0, released_ = 0, answered_ = 0, collapsed_ = 0, learnt_ = 0, held_ = 0;
 
   // Of the frame in hand; kept for their memory.
   std::vector<int> tracks_, now_static_;
   std::vector<SeenDepth> depths_;
   std::vector<MotionBelief> motions_;
-  std::vector<Label> answers_;
+  RememberedMotions remembered_;
   Undoing undoing_;
   std::vector<LandmarkPoint> points_;
   std::vector<Observation> unmatched_;

@@ -12,7 +12,10 @@ namespace {
 constexpr int kInnovations = 10;       // the latest, in the test of a label
 constexpr double kProbability = 1e-4;  // of a right label being rejected in a frame
 constexpr int kMostUnseen = 5;         // frames, and a motion is forgotten
-constexpr double kBeyondDoubt = 1e4;   // posterior over prior odds of rest
+// In a frame. The others are asked again when its measurements and the next ones' have been seen
+// without them: more at once are lost where a whole scene looks moving because the camera is wrong.
+constexpr int kMostReleases = 3;
+constexpr double kBeyondDoubt = 1e4;  // posterior over prior odds of rest
 
 // How far a motion is from rest, in sigmas; and where it says nothing, how clearly innovations
 // reject the label. Motions of landmarks that were never measured are at rest but for rounding.
@@ -21,6 +24,24 @@ Evidence evidence_of(const MotionBelief& motion, const TrackRecord& record) {
   constexpr double kRounding = 1e-6;
   const double distance = mahalanobis_from_zero(motion.w, motion.covariance);
   return {distance > kRounding ? distance : 0.0, -log_tail(record)};
+}
+
+// Of the remembered motions that reject their label, the one whose evidence is the clearest.
+std::optional<std::size_t> most_significant(const TrackRecords& records,
+                                            const RememberedMotions& motions,
+                                            const AskMotion& ask) {
+  std::optional<std::size_t> result;
+  Evidence most;
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const auto answer = ask(i);
+    const TrackRecord& record = records.at(motions.track(i));
+    if (!answer || (answer->label != Label::kMoving && !is_rejected(record))) continue;
+    const Evidence evidence = evidence_of(answer->motion, record);
+    if (result && evidence <= most) continue;
+    most = evidence;
+    result = i;
+  }
+  return result;
 }
 
 bool reversible(const LabelOptions& options) { return options.rule == LabelRule::kReversible; }
@@ -41,8 +62,8 @@ int motion_memory(const ModelOptions& models, const LandmarkFunctions& landmark)
 }
 
 bool is_forgotten(const TrackRecord& record, int memory) {
-  const int age = record.remembered_frames;
-  return record.rests_beyond_doubt || age >= memory || record.unused_frames >= kMostUnseen;
+  const bool is_old = record.remembered_frames >= memory && !record.is_held;
+  return record.rests_beyond_doubt || is_old || record.unused_frames >= kMostUnseen;
 }
 
 void note_motion(TrackRecord& record, const MotionBelief& motion) {
@@ -53,7 +74,7 @@ void note_motion(TrackRecord& record, const MotionBelief& motion) {
 bool watches_innovations(const LabelOptions& options) { return reversible(options); }
 
 bool is_asked(const TrackRecord& record, const LabelOptions& options) {
-  if (record.observations < options.sightings) return false;
+  if (record.observations < options.sightings || record.is_held) return false;
   return record.label == Label::kUnknown || (reversible(options) && record.label == Label::kMoving);
 }
 
@@ -63,7 +84,7 @@ void note_answer(TrackRecord& record, Label answer, int frame) {
 }
 
 void note_innovation(TrackRecord& record, double nis, const LabelOptions& options) {
-  if (!reversible(options) || record.label != Label::kStatic || record.known) return;
+  if (!reversible(options) || !rests(record) || record.known) return;
   std::vector<double>& kept = record.static_nis;
   kept.reserve(kInnovations);
   if (std::ssize(kept) == kInnovations) kept.erase(kept.begin());
@@ -97,22 +118,17 @@ bool is_rejected(const TrackRecord& record) {
 }
 
 void find_undoing(const TrackRecords& records, std::span<const int> tracks,
-                  std::span<const MotionBelief> motions, std::span<const Label> answers,
-                  Undoing& result) {
+                  RememberedMotions& motions, const AskMotion& ask, Undoing& result) {
   result.free.clear();
-  result.release.reset();
-  Evidence most;
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    const int track = motions[i].track;
-    if (!is_rejected(records.at(track)) && answers[i] != Label::kMoving) continue;
-    const Evidence evidence = evidence_of(motions[i], records.at(track));
-    if (result.release && evidence <= most) continue;
-    most = evidence;
-    result.release = track;
+  result.release.clear();
+  for (int k = 0; k < kMostReleases; ++k) {
+    const auto most = most_significant(records, motions, ask);
+    if (!most) break;
+    result.release.push_back(motions.track(*most));
+    motions.release(*most);
   }
   for (const int track : tracks) {
-    const bool is_remembered =
-        std::ranges::find(motions, track, &MotionBelief::track) != motions.end();
+    const bool is_remembered = std::ranges::count(motions.tracks(), track) > 0;
     if (!is_remembered && is_rejected(records.at(track))) result.free.push_back(track);
   }
 }
@@ -120,7 +136,7 @@ void find_undoing(const TrackRecords& records, std::span<const int> tracks,
 void note_reverted(TrackRecord& record) {
   record.label = Label::kUnknown;
   record.cannot_rest = record.cannot_rest || record.is_behind;
-  record.is_behind = false;
+  record.is_behind = record.is_held = false;
   record.decision_frame.reset();
   record.rejected_in_row = 0;
   record.static_nis.clear();

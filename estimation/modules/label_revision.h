@@ -9,14 +9,16 @@
 //   zero (Belief::constrained_motions). The classifier is asked about that w as about any other.
 //
 // A label that either rejects is undone. Where the motion is remembered the landmark is released as
-// if it had never been static, only the most significant in a frame: what bends the map makes
-// others look moving too. Else it is free from this frame on. A moving landmark is asked again in
-// every frame, so that one that has stopped becomes static.
+// if it had never been static, the most significant first, and the others are asked again without
+// it: what bends the map makes others look moving too. Else it is free from this frame on. Those
+// that are held at birth (births.h) are released by the same rule. A moving landmark is asked again
+// in every frame, so that one that has stopped becomes static.
 //
 // A motion is remembered for `labels.memory` frames, while the landmark is measured, and until the
 // evidence that it rests is beyond doubt.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,6 +27,7 @@
 #include "estimation/classification.h"
 #include "estimation/modules/depth_prior.h"
 #include "estimation/options.h"
+#include "estimation/remembered_motions.h"
 #include "estimation/track_policy.h"
 #include "models/camera.h"
 #include "models/landmarks/landmark_models.h"
@@ -74,17 +77,24 @@ void note_depth(TrackRecord& record, const SeenDepth& depth, const LabelOptions&
 // Whether innovations or depth reject that it is static.
 bool is_rejected(const TrackRecord& record);
 
-// What a frame says of the labels of the static landmarks that it measured.
+// What a frame says of the landmarks at rest that it measured.
 struct Undoing {
-  std::vector<int> free;       // rejected, with no motion remembered, by track
-  std::optional<int> release;  // the most significant of those whose motion is remembered
+  std::vector<int> free;     // rejected, with no motion remembered, by track
+  std::vector<int> release;  // of those whose motion is remembered, the most significant first
 };
 
-// The rule. `tracks`: the static landmarks measured; `motions`: of those that are remembered;
-// `answers`: the classifier's on each of them.
+// The i-th remembered motion as it is now, and the classifier's answer on it; none where it is not
+// determined.
+struct MotionAnswer {
+  MotionBelief motion;
+  Label label = Label::kUnknown;
+};
+using AskMotion = std::function<std::optional<MotionAnswer>(std::size_t)>;
+
+// The rule. `tracks`: the landmarks at rest that were measured; `motions`: of those that are
+// remembered, marginalised one by one as they are released.
 void find_undoing(const TrackRecords& records, std::span<const int> tracks,
-                  std::span<const MotionBelief> motions, std::span<const Label> answers,
-                  Undoing& result);
+                  RememberedMotions& motions, const AskMotion& ask, Undoing& result);
 
 // Static no more: unknown, as at its birth.
 void note_reverted(TrackRecord& record);

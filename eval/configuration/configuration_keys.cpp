@@ -47,11 +47,11 @@ std::vector<ConfigurationKey> model_keys() {
       number("labels.memory",
              "reversible: frames for which what a static landmark's motion would be is remembered",
              kNotNegative, SLAMMOT_FIELD(model.labels.memory)),
-      option<FirstFrameLabels>(
-          "labels.first_frame",
-          "landmarks of the first frame: static until one is rejected, and then without it from "
-          "the start (odds), static by rule (thesis, figure 4.5a), or unknown as later ones are",
-          listed(kFirstFrameLabels), SLAMMOT_FIELD(model.labels.first_frame)),
+      option<Births>("labels.births",
+                     "landmarks whose label is open: held at rest until evidence says that they "
+                     "move (held), free to move (free), or free but for those of the first frame, "
+                     "static by rule (static_first: thesis, figure 4.5a)",
+                     listed(kBirths), SLAMMOT_FIELD(model.labels.births)),
       number("policy.max_landmarks", "landmarks in the state at once", kPositive,
              SLAMMOT_FIELD(model.policy.max_landmarks)),
       number(

@@ -18,7 +18,7 @@ const std::vector<Assignment> kThesis = {
     {"labels", "one_way"},
     {"labels.sightings", "2"},
     {"labels.memory", "0"},  // one-way labels leave nothing to remember, whatever it says
-    {"labels.first_frame", "static"},
+    {"labels.births", "static_first"},
     {"policy.movers", "joint"},
     {"motion.adaptive", "false"},
     {"prior.source", "fixed"},

@@ -178,6 +178,18 @@ void MarginalPrior::add_constrained(VariableId id, Eigen::Ref<Eigen::MatrixXd> i
   add_transposed(K, E);
 }
 
+void MarginalPrior::add_cross(VariableId a, VariableId b,
+                              Eigen::Ref<Eigen::MatrixXd> information) const {
+  const Block *of_a = find(a), *of_b = find(b);
+  if (!of_a || !of_b) return;
+  const auto bent = *std::as_const(bent_);
+  if (of_a->offset > of_b->offset) {
+    information += bent.block(of_a->offset, of_b->offset, of_a->dim(), of_b->dim());
+  } else {
+    information += bent.block(of_b->offset, of_a->offset, of_b->dim(), of_a->dim()).transpose();
+  }
+}
+
 void MarginalPrior::add_transposed(const Eigen::MatrixXd& K, Eigen::Ref<Eigen::MatrixXd> E) const {
   for (const Run& run : runs_) {
     E.middleRows(run.core, run.dim) += K.middleCols(run.offset, run.dim).transpose();

@@ -87,6 +87,9 @@ class MarginalPrior {
   void add_constrained(VariableId id, Eigen::Ref<Eigen::MatrixXd> information,
                        Eigen::Ref<Eigen::MatrixXd> E) const;
 
+  // C_a'C_b of two constrained variables that it touches, added likewise.
+  void add_cross(VariableId a, VariableId b, Eigen::Ref<Eigen::MatrixXd> information) const;
+
   // E += K' where Variable::core says; K has the columns of R.
   void add_transposed(const Eigen::MatrixXd& K, Eigen::Ref<Eigen::MatrixXd> E) const;
 

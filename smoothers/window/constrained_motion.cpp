@@ -18,43 +18,47 @@
 
 namespace slammot {
 
-void Marginals::constrained_motions(std::span<const int> tracks,
-                                    std::vector<MotionBelief>& result) {
-  result.clear();
-  if (tracks.empty()) return;
+void Marginals::constrained_motions(std::span<const int> tracks, RememberedMotions& result) {
   const LandmarkFunctions& functions = *graph_.models().landmark;
-  const Eigen::VectorXd& prior_gradient = graph_.prior().active.gradient();
   const Eigen::Index n = functions.motion;
-  motion_columns_.resize(equations_.core_dim(), n * std::ssize(tracks));
+  tracks_.clear();
   for (const int track : tracks) {
-    const LandmarkId id = landmarks_.at(track).id;
-    if (!graph_[id].constrained) continue;
-    const Eigen::Index first = n * std::ssize(result);
-    MotionBelief& motion = result.emplace_back();
-    motion.track = track;
-    add_information(id, prior_gradient, (*motion_columns_).middleCols(first, n), motion);
+    if (graph_[landmarks_.at(track).id].constrained) tracks_.push_back(track);
   }
-  auto columns = (*motion_columns_).leftCols(n * std::ssize(result));
-  if (!result.empty()) equations_.whiten(columns);
-  std::size_t determined = 0;
-  for (Eigen::Index i = 0; i < std::ssize(result); ++i) {
-    MotionBelief& motion = result[static_cast<std::size_t>(i)];
-    const auto of_core = columns.middleCols(n * i, n);
-    const Eigen::LLT<MotionMatrix> llt(motion.covariance - of_core.transpose() * of_core);
-    if (llt.info() != Eigen::Success) continue;
-    motion.covariance = llt.solve(MotionMatrix::Identity(n, n));
-    motion.w = llt.solve(motion.w).eval();
-    LandmarkVector x = at_rest(landmarks_.at(motion.track));
-    x.tail(n) = motion.w;
-    motion.density_scale = functions.density_scale(x);
-    result[determined++] = motion;
+  result.reset(std::ssize(tracks_), functions.motion);
+  if (tracks_.empty()) return;
+  const Eigen::VectorXd& prior_gradient = graph_.prior().active.gradient();
+  motion_columns_.resize(equations_.core_dim(), n * std::ssize(tracks_));
+  MotionMatrix information;
+  MotionVector vector;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    const WindowLandmark& landmark = landmarks_.at(tracks_[i]);
+    auto of_core = (*motion_columns_).middleCols(n * static_cast<Eigen::Index>(i), n);
+    add_information(landmark.id, prior_gradient, of_core, information, vector);
+    result.add(tracks_[i], at_rest(landmark).head<3>());
+    result.information(i, i) = information;
+    result.vector(i) = vector;
+    for (std::size_t k = 0; k < i; ++k) add_shared(i, k, result);
   }
-  result.resize(determined);
+  equations_.whiten(*motion_columns_);
+  result.know_given(*motion_columns_);
 }
 
-// As if the core were known, an information in `covariance` and a gradient in `w`; and D.
+// What the prior says of two of them together.
+void Marginals::add_shared(std::size_t i, std::size_t k, RememberedMotions& result) const {
+  const auto w = [&](std::size_t of) {
+    return graph_[landmarks_.at(tracks_[of]).id].constrained->w;
+  };
+  Eigen::MatrixXd shared = result.information(i, k);
+  graph_.prior().active.add_cross(w(i), w(k), shared);
+  result.information(i, k) = shared;
+  result.information(k, i) = shared.transpose();
+}
+
+// As if the core were known; and D.
 void Marginals::add_information(LandmarkId id, const Eigen::VectorXd& prior_gradient,
-                                Eigen::Ref<Eigen::MatrixXd> of_core, MotionBelief& motion) {
+                                Eigen::Ref<Eigen::MatrixXd> of_core, MotionMatrix& information,
+                                MotionVector& vector) {
   const GraphLandmark& l = graph_[id];
   const Eigen::Index n = graph_.models().landmark->motion;
   motion_rows_.resize(2 * std::ssize(l.pixels), n);
@@ -78,8 +82,8 @@ void Marginals::add_information(LandmarkId id, const Eigen::VectorXd& prior_grad
   }
   const MotionVector& sigmas = l.constrained->sigmas;
   if (sigmas.size() > 0) own.diagonal() += sigmas.cwiseAbs2().cwiseInverse();
-  motion.covariance = own;
-  motion.w = -gradient;
+  information = own;
+  vector = -gradient;
 }
 
 }  // namespace slammot

@@ -29,7 +29,7 @@ class Marginals {
   void leave_one_out(std::span<const int> tracks, std::vector<LeaveOneOut>& result);
   void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result);
   void motions(std::span<const int> tracks, std::vector<MotionBelief>& result);
-  void constrained_motions(std::span<const int> tracks, std::vector<MotionBelief>& result);
+  void constrained_motions(std::span<const int> tracks, RememberedMotions& result);
   std::vector<LandmarkBelief> landmarks(std::span<const int> tracks);
   std::optional<PoseEstimate> pose_before(int frames) const;
 
@@ -61,7 +61,10 @@ class Marginals {
 
   // constrained_motion.cpp
   void add_information(LandmarkId id, const Eigen::VectorXd& prior_gradient,
-                       Eigen::Ref<Eigen::MatrixXd> of_core, MotionBelief& motion);
+                       Eigen::Ref<Eigen::MatrixXd> of_core, MotionMatrix& information,
+                       MotionVector& vector);
+
+  void add_shared(std::size_t i, std::size_t k, RememberedMotions& result) const;
 
   const Graph& graph_;
   const CameraWindow& cameras_;

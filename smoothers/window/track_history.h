@@ -21,7 +21,7 @@ struct TrackHistory {
   TrackRecord record;
 
   // A batch knows no change of mind: what was ever taken for moving is free all the time.
-  bool is_free() const { return record.was_moving || record.label != Label::kStatic; }
+  bool is_free() const { return record.was_moving || !rests(record); }
 };
 
 class TrackHistories {

@@ -249,10 +249,20 @@ void Window::free(int track, const LandmarkPrior& prior) {
 
 // It is free with its pixels of the window and all that the prior knows of it, and the window is
 // solved once more.
-void Window::release(int track, const LandmarkPrior& prior) {
+void Window::release(std::span<const int> tracks, const TrackRecords& records) {
+  for (const int track : tracks) {
+    if (graph_[landmarks_.at(track).id].constrained) {
+      release(track);
+    } else {
+      free(track, records.at(track).prior);
+    }
+  }
+  take_step();
+}
+
+void Window::release(int track) {
   WindowLandmark& landmark = landmarks_.at(track);
   const GraphLandmark& l = graph_[landmark.id];
-  if (!l.constrained) return free(track, prior);
   const WindowFrame& base = base_of_release(l, cameras_);
   if (histories_) histories_->rested_until(track, base.number, marginals_.at_rest(landmark));
   const double rest_time = l.constrained->rest_time;
@@ -261,7 +271,6 @@ void Window::release(int track, const LandmarkPrior& prior) {
   graph_.release_motion(landmark.id);
   departures_.move_to(landmark, rest_time, base);
   begin_chain(graph_, landmark.id, base, cameras_);
-  take_step();
 }
 
 // Its measurements stay in the window until they leave.
@@ -405,8 +414,8 @@ void Window::end_history(const WindowLandmark& landmark, const TrackRecord& reco
 
 std::unique_ptr<Estimator> make_window(const Setup& setup, const ModelOptions& models,
                                        const WindowOptions& options) {
-  return std::make_unique<FrameLoop>(
-      setup, models, [=] { return std::make_unique<Window>(setup, models, options); });
+  return std::make_unique<FrameLoop>(setup, models,
+                                     std::make_unique<Window>(setup, models, options));
 }
 
 }  // namespace slammot

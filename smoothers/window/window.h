@@ -47,13 +47,12 @@ class Window final : public Belief {
     marginals_.motions(tracks, result);
   }
   void collapse(std::span<const int> tracks) override;
-  void constrained_motions(std::span<const int> tracks,
-                           std::vector<MotionBelief>& result) override {
+  void constrained_motions(std::span<const int> tracks, RememberedMotions& result) override {
     marginals_.constrained_motions(tracks, result);
   }
   void forget_motions(std::span<const int> tracks) override;
   void free(int track, const LandmarkPrior& prior) override;
-  void release(int track, const LandmarkPrior& prior) override;
+  void release(std::span<const int> tracks, const TrackRecords& records) override;
   void remove(std::span<const int> tracks, const TrackRecords& records) override;
   bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override;
 
@@ -80,6 +79,7 @@ class Window final : public Belief {
   const Graph& graph() const { return graph_; }
 
  private:
+  void release(int track);
   WindowLandmark& insert(int track, VariableId anchor, const Eigen::Vector3d& y);
   void add_pixels(std::span<const Observation> accepted, std::span<const int> considered);
   void consider(const WindowLandmark& landmark, bool is_considered);

@@ -127,7 +127,7 @@ class Allocations : public testing::TestWithParam<bool> {
   Allocations() {
     prepare_process();  // more BLAS threads would have buffers of their own
     if (!GetParam()) return;
-    models.labels.first_frame = FirstFrameLabels::kStatic;
+    models.labels.births = Births::kStaticFirst;
     models.labels.rule = LabelRule::kOneWay;
     models.classifier.name = "truth";
   }

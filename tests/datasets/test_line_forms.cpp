@@ -88,9 +88,8 @@ TEST(LineForms, TheUnitOfATimeIsAsked) {
 
 TEST(LineForms, AnUnknownLensIsToldWhatIsKnown) {
   std::string settings = test::kGood.at("sequence.yaml");
-  settings.replace(settings.find("radtan"), 6, "plumb_bob");
-  EXPECT_THAT(refusal_with("sequence.yaml", settings),
-              HasSubstr("radtan, which others call plumb_bob"));
+  settings.replace(settings.find("radtan"), 6, "fish_bowl");
+  EXPECT_THAT(refusal_with("sequence.yaml", settings), HasSubstr("radtan (also plumb_bob"));
 }
 
 }  // namespace

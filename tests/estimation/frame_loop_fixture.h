@@ -106,16 +106,15 @@ class FakeBelief final : public Belief {
       if (remembers_all) remembered.insert(track);
     }
   }
-  void constrained_motions(std::span<const int> tracks,
-                           std::vector<MotionBelief>& result) override {
-    result.clear();
+  void constrained_motions(std::span<const int> tracks, RememberedMotions& result) override {
+    result.reset(std::ssize(tracks), 3);
     for (const int track : tracks) {
       if (!remembered.contains(track)) continue;
-      MotionBelief& motion = result.emplace_back();
-      motion.track = track;
+      const std::size_t i = result.size();
       const double sigma = state.at(track).held_sigma;
-      motion.w = 0.1 * track * sigma * Eigen::Vector3d::UnitX();
-      motion.covariance = sigma * sigma * Eigen::Matrix3d::Identity();
+      result.add(track, Eigen::Vector3d::UnitZ());
+      result.information(i, i) = Eigen::Matrix3d::Identity() / (sigma * sigma);
+      result.vector(i) = 0.1 * track / sigma * Eigen::Vector3d::UnitX();
     }
   }
   void forget_motions(std::span<const int> tracks) override {
@@ -124,10 +123,12 @@ class FakeBelief final : public Belief {
       remembered.erase(track);
     }
   }
-  void release(int track, const LandmarkPrior&) override {
-    call("release");
-    state.at(track).is_free = true;
-    remembered.erase(track);
+  void release(std::span<const int> tracks, const TrackRecords&) override {
+    for (const int track : tracks) {
+      call("release");
+      state.at(track).is_free = true;
+      remembered.erase(track);
+    }
   }
   void free(int track, const LandmarkPrior&) override {
     call("free");
@@ -190,20 +191,17 @@ class FrameLoopOf : public testing::Test {
     setup_.camera.cy = 240.0;
   }
 
-  // Landmarks of the first frame are static by rule.
+  // Landmarks of the first frame are static by rule, later ones free.
   void start(ModelOptions models) {
-    models.labels.first_frame = FirstFrameLabels::kStatic;
+    models.labels.births = Births::kStaticFirst;
     models.labels.sightings = 2;
     start_with(models);
   }
   void start_with(const ModelOptions& models) {
-    const auto make = [this] {
-      auto belief = std::make_unique<FakeBelief>(calls_);
-      belief->remembers_all = remembers_all_;
-      belief_ = belief.get();
-      return belief;
-    };
-    loop_ = std::make_unique<FrameLoop>(setup_, models, make);
+    auto belief = std::make_unique<FakeBelief>(calls_);
+    belief->remembers_all = remembers_all_;
+    belief_ = belief.get();
+    loop_ = std::make_unique<FrameLoop>(setup_, models, std::move(belief));
   }
 
   FrameReport frame(std::vector<int> tracks) {

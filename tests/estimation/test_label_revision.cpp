@@ -105,6 +105,14 @@ TEST(Reversible, AMovingLandmarkMayStop) {
   EXPECT_TRUE(record.was_moving);
 }
 
+// Static landmarks, of which those in `rejected` are so by their innovations.
+TrackRecords static_records(const std::vector<int>& tracks, const std::vector<int>& rejected) {
+  TrackRecords records;
+  for (const int track : tracks) records[track] = initialised(track, 0, Label::kStatic, {});
+  for (const int track : rejected) records.at(track).static_nis = {50.0, 50.0};
+  return records;
+}
+
 MotionBelief motion(int track, double distance, double sigma = 1.0) {
   MotionBelief b;
   b.track = track;
@@ -114,33 +122,68 @@ MotionBelief motion(int track, double distance, double sigma = 1.0) {
   return b;
 }
 
-// Static landmarks, of which those in `rejected` are so by their innovations.
-TrackRecords static_records(const std::vector<int>& tracks, const std::vector<int>& rejected) {
-  TrackRecords records;
-  for (const int track : tracks) records[track] = initialised(track, 0, Label::kStatic, {});
-  for (const int track : rejected) records.at(track).static_nis = {50.0, 50.0};
-  return records;
+class UndoingOf : public testing::Test {
+ protected:
+  void add(int track, double distance, double sigma = 1.0) {
+    if (motions_.size() == 0) motions_.reset(6, 3);
+    const std::size_t i = motions_.size();
+    motions_.add(track, Eigen::Vector3d::UnitZ());
+    motions_.information(i, i) = Eigen::Matrix3d::Identity() / (sigma * sigma);
+    motions_.vector(i) = distance / sigma * Eigen::Vector3d::UnitX();
+  }
+  // The classifier says that these move, however little.
+  void find(const TrackRecords& records, const std::set<int>& moving) {
+    const auto ask = [&](std::size_t i) -> std::optional<MotionAnswer> {
+      const auto motion = motions_.motion(i, find_landmark("scaled_velocity", "inverse_depth"));
+      if (!motion) return std::nullopt;
+      const bool moves = moving.contains(motion->track);
+      return MotionAnswer{*motion, moves ? Label::kMoving : Label::kUnknown};
+    };
+    find_undoing(records, tracks_, motions_, ask, undoing_);
+  }
+
+  const std::vector<int> tracks_{1, 2, 3, 4, 5, 6};
+  RememberedMotions motions_;
+  Undoing undoing_{{99}, {99}};
+};
+
+TEST_F(UndoingOf, TheMostSignificantRememberedFirstAndAllOthersThatAreRejected) {
+  add(1, 9.0);
+  add(2, 3.0);
+  add(3, 4.0, 0.01);
+  add(4, 5.0, 0.01);
+  // 1 moves most, but the classifier does not say so; innovations that reject 2 suffice.
+  find(static_records(tracks_, {2, 5, 6}), {3, 4});
+  EXPECT_EQ(undoing_.release, (std::vector<int>{4, 3, 2}));
+  EXPECT_EQ(undoing_.free, (std::vector<int>{5, 6}));
 }
 
-TEST(Undoing, IsOfTheMostSignificantRememberedAndOfAllOthers) {
-  const std::vector<int> tracks{1, 2, 3, 4, 5, 6};
-  const auto records = static_records(tracks, {2, 5, 6});
-  const std::vector<MotionBelief> motions{motion(1, 9.0), motion(2, 3.0), motion(3, 4.0, 0.01),
-                                          motion(4, 5.0, 0.01)};
-  Undoing undoing;
-  undoing.free = {99};
-  undoing.release = 99;
-  const Label no = Label::kUnknown, moves = Label::kMoving;
-  // 1 moves most, but the classifier does not say so: 4 does before 3, by its sigmas.
-  find_undoing(records, tracks, motions, std::vector{no, Label::kStatic, moves, moves}, undoing);
-  EXPECT_EQ(undoing.release, 4);
-  EXPECT_EQ(undoing.free, (std::vector<int>{5, 6}));
-  // Innovations that reject 2 suffice, whatever the classifier says.
-  find_undoing(records, tracks, motions, std::vector{no, Label::kStatic, no, no}, undoing);
-  EXPECT_EQ(undoing.release, 2);
-  find_undoing(static_records(tracks, {}), tracks, motions, std::vector{no, no, no, no}, undoing);
-  EXPECT_FALSE(undoing.release);
-  EXPECT_TRUE(undoing.free.empty());
+TEST_F(UndoingOf, NoMoreThanThreeInAFrame) {
+  for (const int track : tracks_) add(track, track);
+  find(static_records(tracks_, {}), {1, 2, 3, 4, 5, 6});
+  EXPECT_EQ(undoing_.release, (std::vector<int>{6, 5, 4}));
+}
+
+TEST_F(UndoingOf, NothingWhereNothingSpeaksAgainstALabel) {
+  add(1, 9.0);
+  find(static_records(tracks_, {}), {});
+  EXPECT_TRUE(undoing_.release.empty());
+  EXPECT_TRUE(undoing_.free.empty());
+}
+
+// What a mover bends makes another look moving: not once the mover is released.
+TEST_F(UndoingOf, AsksTheOthersWithoutWhatIsReleased) {
+  add(1, 0.0);
+  add(2, 0.0);
+  // w = (6, 4) by the joint information, of which 2 has its part from 1 alone.
+  motions_.information(0, 1) = motions_.information(1, 0) = -0.8 * Eigen::Matrix3d::Identity();
+  motions_.vector(0) = 6.0 * Eigen::Vector3d::UnitX();
+  motions_.vector(1) = -4.8 * Eigen::Vector3d::UnitX();
+  const auto& functions = find_landmark("scaled_velocity", "inverse_depth");
+  EXPECT_NEAR(motions_.motion(1, functions)->w.x(), -4.8, 1e-12);
+  ASSERT_TRUE(motions_.release(0));
+  EXPECT_NEAR(motions_.motion(1, functions)->w.x(), 0.0, 1e-12);
+  EXPECT_NEAR(motions_.motion(1, functions)->covariance(0, 0), 1.0 / 0.36, 1e-12);
 }
 
 TEST(RememberedMotion, IsForgottenWithAgeUnseenAndBeyondDoubt) {

@@ -103,34 +103,21 @@ const Scene kScenes[] = {
     {"TinyFocalLength", tiny_focal_length, true},
 };
 
-// How often frames are processed: again where the first labels are revised (first_frame.h), and
-// each time with at most `ekf.iterations` or `window.iterations` linearisations.
-class Passes final : public StageListener {
- public:
-  void begin(std::string_view stage) override { count += stage == "predict"; }
-  int count = 0;
-};
-
 using Case = std::tuple<std::string, Scene>;
 class Degenerate : public testing::TestWithParam<Case> {};
 
-TEST_P(Degenerate, EndsInBoundedWorkWithNumbers) {
+TEST_P(Degenerate, EndsWithNumbers) {
   const auto& [name, scene] = GetParam();
   const Sequence sequence = scene.make();
   Configuration configuration;
   const EstimatorRow& row = find_estimator(name);
   row.adjust(configuration);
   const auto estimator = row.make(make_setup(sequence, configuration), configuration);
-  const int revisable = configuration.model.labels.start_over;
   constexpr std::size_t kEnough = 40;
-  int all = 0;
-  Passes passes;
+  NoStages stages;
   try {
     for (std::size_t i = 0; i < kEnough; ++i) {
-      passes.count = 0;
-      estimator->process(sequence.frames[i], passes);
-      EXPECT_LE(passes.count, static_cast<int>(i) < revisable ? 1 + 4 * revisable : 1);
-      all += passes.count;
+      estimator->process(sequence.frames[i], stages);
       const CameraEstimate camera = estimator->camera();
       ASSERT_TRUE(camera.state.position.allFinite());
       ASSERT_TRUE(camera.covariance.allFinite());
@@ -138,7 +125,6 @@ TEST_P(Degenerate, EndsInBoundedWorkWithNumbers) {
   } catch (const Diverged& diverged) {
     EXPECT_TRUE(scene.ends_early) << diverged.what();
   }
-  EXPECT_LE(all, static_cast<int>(kEnough) + 25 * revisable);
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, Degenerate,

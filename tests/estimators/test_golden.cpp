@@ -67,7 +67,7 @@ TEST_P(Golden, FiguresFromBeforeTheWorkOnSpeedStay) {
   Configuration configuration;
   configuration.model.landmark = landmark;
   configuration.model.labels.rule = LabelRule::kOneWay;
-  configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
+  configuration.model.labels.births = Births::kStaticFirst;
   configuration.model.collapse = Collapse::kDrop;
   configuration.model.depth_prior = DepthPriorSource::kFixed;
   configuration.model.classifier.name = "thesis";

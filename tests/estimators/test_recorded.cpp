@@ -50,7 +50,7 @@ Outcome over_noise_seeds(const std::string& estimator, bool depths_are_stated) {
   constexpr unsigned kSeeds = 2;
   Configuration configuration;
   if (depths_are_stated) configuration.prior.inverse_depth = 0.3;
-  configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
+  configuration.model.labels.births = Births::kStaticFirst;
   configuration.model.classifier.name = "thesis";
   configuration.model.gate.given_others = 1.0;
   const Sequence published = read_sequence(kData / "synth19_1px");

@@ -22,7 +22,7 @@ std::unique_ptr<Estimator> window_with(WindowSolver solver, const Sequence& sequ
   configuration.window.frames = 10;
   configuration.window.linearisation_error = 0.0;  // Ceres goes on until nothing changes
   configuration.window.solver = solver;
-  configuration.model.labels.first_frame = FirstFrameLabels::kStatic;  // every frame is solved once
+  configuration.model.labels.births = Births::kStaticFirst;  // every frame is solved once
   return make_window(make_setup(sequence, configuration), configuration.model,
                      configuration.window);
 }

@@ -73,7 +73,7 @@ class ThirdFamilyUndecided : public testing::Test {
   ThirdFamilyUndecided() {
     configuration_.model.classifier.name = "truth";
     configuration_.model.labels.rule = LabelRule::kOneWay;
-    configuration_.model.labels.first_frame = FirstFrameLabels::kStatic;
+    configuration_.model.labels.births = Births::kStaticFirst;
     configuration_.model.gate = {0.999999, 1.0};
     configuration_.model.gauge = Gauge::kNone;
     configuration_.ekf.second_order = false;  // unscented ones have their own
@@ -123,7 +123,7 @@ TEST(ThirdFamily, LabelsAsTheEkfDoes) {
     SCOPED_TRACE(collapse == Collapse::kDrop ? "drop" : "condition");
     Configuration configuration = quick();
     configuration.model.collapse = collapse;
-    configuration.model.labels.first_frame = FirstFrameLabels::kStatic;
+    configuration.model.labels.births = Births::kStaticFirst;
     configuration.model.classifier.name = "thesis";
     configuration.model.gate.given_others = 1.0;
     configuration.model.gauge = Gauge::kNone;

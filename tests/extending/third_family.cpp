@@ -387,8 +387,8 @@ const EstimatorRow kUnscented{
     false,
     [](Configuration&) {},
     [](const Setup& setup, const Configuration& c) -> std::unique_ptr<Estimator> {
-      const auto belief = [=] { return std::make_unique<Unscented>(setup, c.model); };
-      return std::make_unique<FrameLoop>(setup, c.model, belief);
+      return std::make_unique<FrameLoop>(setup, c.model,
+                                         std::make_unique<Unscented>(setup, c.model));
     }};
 // [end]
 

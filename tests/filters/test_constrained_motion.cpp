@@ -197,16 +197,29 @@ class EkfWithMemory : public testing::Test {
 
 TEST_F(EkfWithMemory, ReleasedIsAnEkfThatNeverUsedRest) {
   Ekf constrained = run(true), free = run(false);
-  std::vector<MotionBelief> held, motions;
+  RememberedMotions held;
+  std::vector<MotionBelief> motions;
   constrained.constrained_motions(kept_, held);
   free.motions(kept_, motions);
   ASSERT_EQ(held.size(), 3u);
+  const auto& functions = find_landmark(models_.landmark, models_.point);
   for (std::size_t i = 0; i < 3; ++i) {
     // The others rest here and may move there: more is known.
-    EXPECT_EQ(held[i].track, motions[i].track);
-    EXPECT_GT((motions[i].covariance - held[i].covariance).diagonal().minCoeff(), 0.0);
+    const auto motion = held.motion(i, functions);
+    ASSERT_TRUE(motion);
+    EXPECT_EQ(motion->track, motions[i].track);
+    EXPECT_GT((motions[i].covariance - motion->covariance).diagonal().minCoeff(), 0.0);
   }
-  for (const int track : kept_) constrained.release(track, setup_.prior);
+  // Once the others may move it is the marginal of the filter in which they do.
+  EXPECT_TRUE(held.release(0));
+  EXPECT_TRUE(held.release(1));
+  EXPECT_FALSE(held.motion(0, functions));
+  const auto last = held.motion(2, functions);
+  ASSERT_TRUE(last);
+  EXPECT_LT(relative_difference(last->covariance, motions[2].covariance), 1e-8);
+  // Its innovations were taken at other estimates.
+  EXPECT_LT((last->w - motions[2].w).norm(), 0.1 * std::sqrt(motions[2].covariance.trace()));
+  constrained.release(kept_, records_);
   EXPECT_LT(
       relative_difference(constrained.state().covariance.dense(), free.state().covariance.dense()),
       1e-8);

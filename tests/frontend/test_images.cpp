@@ -166,7 +166,7 @@ TEST_F(Images, LandmarksThatAreKnown) {
 TEST_F(Images, ARunIsDrawnOverThem) {
   ASSERT_EQ(track(), 0);
   const std::string run = "run '" + output().string() + "' --estimator ekf --force --output '" +
-                          (folder_.path() / "run").string() + "' --set labels.first_frame=static ";
+                          (folder_.path() / "run").string() + "' --set labels.births=static_first ";
   const std::string draw = "draw '" + (folder_.path() / "run").string() + "'";
   ASSERT_EQ(slammot(run), 0) << error_;
   EXPECT_EQ(slammot(draw), 2);

@@ -55,7 +55,7 @@ TEST(MadeFailures, NoiseStatedSixTimesTooLarge) {
 // By the classifier itself: prior odds of a million to one call all that is undecided moving.
 TEST(MadeFailures, LabelsCollapsedByTheClassifier) {
   Configuration configuration;
-  assign(configuration, {"labels.first_frame", "unknown"});
+  assign(configuration, {"labels.births", "free"});
   EXPECT_THAT(warnings_of(scene(), "ekf", configuration), IsEmpty());
   assign(configuration, {"classifier.prior_odds", "0.000001"});
   const std::vector<RunWarning> warnings = warnings_of(scene(), "ekf", configuration);

@@ -16,12 +16,9 @@ namespace {
 struct LoopedWindow {
   LoopedWindow(const Sequence& sequence, const Configuration& configuration) {
     const slammot::Setup setup = make_setup(sequence, configuration);
-    const auto make = [=, this] {
-      auto owned = std::make_unique<Window>(setup, configuration.model, configuration.window);
-      window = owned.get();
-      return owned;
-    };
-    loop = std::make_unique<FrameLoop>(setup, configuration.model, make);
+    auto owned = std::make_unique<Window>(setup, configuration.model, configuration.window);
+    window = owned.get();
+    loop = std::make_unique<FrameLoop>(setup, configuration.model, std::move(owned));
   }
   FrameReport process(const Frame& frame) {
     NoStages stages;
@@ -65,10 +62,13 @@ std::map<int, MotionBelief> constrained_motions(const Sequence& sequence, int fr
     const bool is_old = record.decision_frame && *record.decision_frame <= since;
     if (record.label == Label::kStatic && is_old) tracks.push_back(track);
   }
-  std::vector<MotionBelief> motions;
+  RememberedMotions motions;
   run.window->constrained_motions(tracks, motions);
   std::map<int, MotionBelief> result;
-  for (const MotionBelief& motion : motions) result[motion.track] = motion;
+  const auto& functions = find_landmark(configuration.model.landmark, configuration.model.point);
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    if (const auto motion = motions.motion(i, functions)) result[motion->track] = *motion;
+  }
   return result;
 }
 

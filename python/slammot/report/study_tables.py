@@ -297,7 +297,7 @@ def classification_table(summary):
         "Classification",
         "Landmarks over all runs, by true class. Misclassified: wrong or undecided. Many moving landmarks cross the image in a few frames, "
         "so the second row counts only landmarks observed at least ten times. Known landmarks are not counted, nor those of the first frame "
-        "where they are static by rule (labels.first_frame=static). Where objects stop, the third row counts frames in which they were measured: at rest "
+        "where they are static by rule (labels.births=static_first). Where objects stop, the third row counts frames in which they were measured: at rest "
         "(under static) and moving.",
         ["scenario", "estimator"] + [f"{kind} {what}" for kind in ("static", "moving")
                                      for what in ("right", "wrong", "undecided", "right %", "misclassified %")], rows)

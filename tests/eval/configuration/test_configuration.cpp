@@ -157,10 +157,10 @@ TEST(Preset, HasTheValuesOfTheThesis) {
       "collapse=drop prior.source=fixed prior.steady_time=0 landmark=dynamic_inverse_depth ";
   for (const auto& [name, label, settings] : std::vector<std::array<std::string, 3>>{
            {"table_4_1", "window",
-            "labels.first_frame=static window.frames=10 window.iterations=5 "
+            "labels.births=static_first window.frames=10 window.iterations=5 "
             "classifier.static_threshold=1.6"},
            {"table_4_1_thesis", "with a gate",
-            "labels.first_frame=static motion.discretisation=impulse gate.probability=0.95 "
+            "labels.births=static_first motion.discretisation=impulse gate.probability=0.95 "
             "policy.max_landmarks=100000 policy.max_visible=100000 policy.prune_after=100000"},
            {"fig_3_1", "ekf",
             "window.frames=10 window.iterations=5 classifier.static_threshold=1e12 "

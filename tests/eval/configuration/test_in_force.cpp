@@ -23,8 +23,7 @@ struct Option {
 };
 
 // Values that are other choices of a key, not the mechanism that it switches.
-const std::set<std::string> kOtherChoices = {"labels.first_frame=unknown",
-                                             "ekf.linearisation=ideal"};
+const std::set<std::string> kOtherChoices = {"labels.births=free", "ekf.linearisation=ideal"};
 
 using Settings = std::map<std::string, std::string>;
 
@@ -36,7 +35,7 @@ std::vector<Option> options_of(const std::string& estimator) {
                                  {"classifier", {"thesis", "odds"}},
                                  {"labels", {"one_way", "reversible"}},
                                  {"labels.memory", {"0", "60"}},
-                                 {"labels.first_frame", {"static", "unknown", "odds"}},
+                                 {"labels.births", {"static_first", "free", "held"}},
                                  {"policy.movers", {"joint", "considered"}},
                                  {"motion.adaptive", {"false", "true"}},
                                  {"gauge", {"none", "heading", "scale"}},
