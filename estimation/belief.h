@@ -83,6 +83,10 @@ class Belief {
   // 0 is used as a measurement.
   virtual void collapse(std::span<const int> tracks) = 0;
 
+  // Whether it can say what the motions of landmarks at rest would be; without, labels are undone
+  // by innovations alone, and no birth is held (modules/births.h).
+  virtual bool remembers_motions() const { return false; }
+
   // What the motions of static landmarks that update() used would be, were they not held at rest;
   // of those whose motion is still remembered (LabelOptions::memory).
   virtual void constrained_motions(std::span<const int> /*tracks*/, RememberedMotions& result) {

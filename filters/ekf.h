@@ -29,6 +29,7 @@ class Ekf final : public Belief {
   void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) override;
   void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) override;
   void collapse(std::span<const int> tracks) override;
+  bool remembers_motions() const override { return remembers_; }
   void constrained_motions(std::span<const int> tracks, RememberedMotions& result) override;
   void free(int track, const LandmarkPrior& prior) override;
   void release(std::span<const int> tracks, const TrackRecords& records) override;
@@ -51,7 +52,6 @@ class Ekf final : public Belief {
   // landmarks.cpp: their rows.
   void predict_landmark(int track, FilterLandmark& landmark, Label label, double dt);
   void condition_on_rest(std::span<const int> tracks);
-  void release(int track, const LandmarkPrior& prior);
   StateBlock append_new(const Observation& z, const NewLandmark& at, const LandmarkPrior& prior,
                         int dim);
   FilterAnchor& anchor_here();

@@ -41,18 +41,20 @@ void Ekf::constrained_motions(std::span<const int> tracks, RememberedMotions& re
   }
 }
 
+// y is that of the time at which each came to rest, and moves on by F_yw w. All of them at the same
+// estimate.
 void Ekf::release(std::span<const int> tracks, const TrackRecords& records) {
-  for (const int track : tracks) release(track, records.at(track).prior);
-}
-
-// y is that of the time at which it came to rest, and moves on by F_yw w.
-void Ekf::release(int track, const LandmarkPrior& prior) {
-  const auto motion = state_.constrained_motion(track);
-  if (!motion) return free(track, prior);
-  const FilterLandmark& landmark = state_.landmarks.at(track);
-  const Eigen::Vector3d y = devices_.linearisation.landmark(state_, track).head<3>();
-  const auto F_yw = moved_from_rest(functions_, y, state_.time - landmark.rest_time);
-  devices_.correct(state_, state_.release_motion(track, *motion, F_yw));
+  std::vector<JointState::Released> released;
+  for (const int track : tracks) {
+    const FilterLandmark& landmark = state_.landmarks.at(track);
+    if (!landmark.is_constrained()) {
+      free(track, records.at(track).prior);
+      continue;
+    }
+    const Eigen::Vector3d y = devices_.linearisation.landmark(state_, track).head<3>();
+    released.push_back({track, moved_from_rest(functions_, y, state_.time - landmark.rest_time)});
+  }
+  if (!released.empty()) devices_.correct(state_, state_.release_motions(released));
 }
 
 // w = 0 as an exact measurement: K = P[:,w] P_ww^-1.

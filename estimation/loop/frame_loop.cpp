@@ -17,7 +17,7 @@ FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, std::unique
       gate_(models.gate, setup.pixel_sigma),
       policy_(models.policy),
       belief_(std::move(belief)),
-      manager_(setup, models, truth_for_view),
+      manager_(setup, models, belief_->remembers_motions(), truth_for_view),
       noise_(setup.camera_noise, models.adaptive_motion && !truth_for_view) {
   if (truth_for_view) policy_.movers = Movers::kJoint;
 }

@@ -8,7 +8,7 @@
 
 namespace slammot {
 
-LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
+LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models, bool remembers,
                                  std::shared_ptr<const Truth> truth_for_view)
     : setup_(setup),
       models_(models),
@@ -18,7 +18,8 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
       depth_prior_(learns_depths(models.depth_prior, setup.initial, !setup.known.empty()),
                    setup.prior),
       truth_(std::move(truth_for_view)),
-      memory_(motion_memory(models, functions_)),
+      remembers_(remembers),
+      memory_(remembers ? motion_memory(models, functions_) : 0),
       births_(births_in_force(models.labels.births, memory_)) {
   if (!functions_.point.exists(Eigen::Vector3d::UnitZ(), setup.prior.inverse_depth)) {
     throw std::invalid_argument("point " + models.point + " needs prior.inverse_depth above 0");
@@ -247,7 +248,8 @@ void LandmarkManager::in_force(InForce& result) const {
   const LabelOptions& labels = models_.labels;
   const ModelOptions& m = models_;
   const bool reversible = labels.rule == LabelRule::kReversible;
-  const std::string no_memory = why_no_memory(m, functions_);
+  std::string no_memory = why_no_memory(m, functions_);
+  if (no_memory.empty() && !remembers_) no_memory = "this estimator remembers no motions";
   const bool can_move = functions_.can_move;
   const std::string at_rest = can_move ? "" : "landmark=" + std::string(functions_.name);
   const bool remembers = labels.memory > 0;

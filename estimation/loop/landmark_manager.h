@@ -12,9 +12,10 @@ namespace slammot {
 
 class LandmarkManager {
  public:
-  // `truth_for_view`: none, or the truth of a run whose Jacobians are taken there.
-  // Throws std::invalid_argument for an unknown landmark model, classifier or policy.
-  LandmarkManager(const Setup& setup, const ModelOptions& models,
+  // `remembers`: Belief::remembers_motions(). `truth_for_view`: none, or the truth of a run whose
+  // Jacobians are taken there. Throws std::invalid_argument for an unknown landmark model,
+  // classifier or policy.
+  LandmarkManager(const Setup& setup, const ModelOptions& models, bool remembers,
                   std::shared_ptr<const Truth> truth_for_view);
 
   const TrackRecords& records() const { return records_; }
@@ -62,6 +63,7 @@ class LandmarkManager {
   std::map<int, KnownLandmark> known_;  // stated, not measured yet
   std::optional<int> first_frame_;
   TrackRecords records_;
+  bool remembers_;
   int memory_;     // frames for which the motion of a static landmark is remembered
   Births births_;  // as they act
   long undone_ = 0, released_ = 0, answered_ = 0, collapsed_ = 0, learnt_ = 0, held_ = 0;

@@ -14,6 +14,7 @@
 // and Jones (1976) find jumps in this way.
 #include <Eigen/Cholesky>
 
+#include "estimation/estimator.h"
 #include "filters/covariance/joint_state.h"
 
 namespace slammot {
@@ -30,32 +31,51 @@ void JointState::constrain_motion(int track, const Eigen::MatrixXd& sensitivity,
   landmark.w_block = {};
 }
 
-std::optional<JointState::Motion> JointState::constrained_motion(int track) const {
-  const FilterLandmark& landmark = landmarks.at(track);
-  const MotionMatrix J = -covariance.block(landmark.constrained_block, landmark.constrained_block);
-  const Eigen::LLT<MotionMatrix> llt(J);
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  return Motion{llt.solve(landmark.information_vector),
-                llt.solve(MotionMatrix::Identity(J.rows(), J.cols()))};
-}
-
-Eigen::VectorXd JointState::release_motion(int track, const Motion& motion,
-                                           const Eigen::MatrixXd& F_yw) {
-  FilterLandmark& landmark = landmarks.at(track);
-  const StateBlock w = landmark.constrained_block;
-  Eigen::MatrixXd sensitivity(covariance.size(), w.dim);
-  covariance.columns(w, sensitivity);
-  sensitivity.middleRows(w.offset, w.dim).setZero();
-  sensitivity.middleRows<3>(landmark.y_block.offset) += F_yw;  // dy at this time, not at rest
-  const Eigen::MatrixXd P_xw = sensitivity * motion.covariance;
+Eigen::VectorXd JointState::release_motions(std::span<const Released> released) {
+  const Eigen::Index n = landmarks.at(released.front().track).constrained_block.dim;
+  const Eigen::Index m = n * std::ssize(released);
+  const auto block = [&](std::size_t i) {
+    return landmarks.at(released[i].track).constrained_block;
+  };
+  Eigen::MatrixXd J(m, m), sensitivity(covariance.size(), m);
+  Eigen::VectorXd j(m);
+  for (std::size_t i = 0; i < released.size(); ++i) {
+    const auto at = n * static_cast<Eigen::Index>(i);
+    for (std::size_t k = 0; k < released.size(); ++k) {
+      J.block(at, n * static_cast<Eigen::Index>(k), n, n) = -covariance.block(block(i), block(k));
+    }
+    j.segment(at, n) = landmarks.at(released[i].track).information_vector;
+    covariance.columns(block(i), sensitivity.middleCols(at, n));
+  }
+  const Eigen::LLT<Eigen::MatrixXd> llt(J);
+  if (llt.info() != Eigen::Success) throw Diverged("a remembered motion is not determined");
+  const Eigen::MatrixXd P_w = llt.solve(Eigen::MatrixXd::Identity(m, m));
+  const Eigen::VectorXd w = llt.solve(j);
+  for (std::size_t i = 0; i < released.size(); ++i) {
+    const auto at = n * static_cast<Eigen::Index>(i);
+    sensitivity.middleRows(block(i).offset, n).setZero();
+    const StateBlock y = landmarks.at(released[i].track).y_block;
+    // dy at this time, not at rest.
+    sensitivity.block(y.offset, at, 3, n) += released[i].F_yw;
+  }
+  Eigen::MatrixXd P_xw = sensitivity * P_w;
   covariance.add_product(sensitivity.transpose().eval(), P_xw.transpose().eval());
-  covariance.assign(w, P_xw, motion.covariance);
-  landmark.w.setZero(w.dim);
-  landmark.w_block = w;
-  landmark.information_vector.resize(0);
-  landmark.constrained_block = {};
-  Eigen::VectorXd dx = sensitivity * motion.mean;
-  dx.segment(w.offset, w.dim) = motion.mean;
+  Eigen::VectorXd dx = sensitivity * w;
+  for (std::size_t i = 0; i < released.size(); ++i) {
+    const auto at = n * static_cast<Eigen::Index>(i);
+    P_xw.middleRows(block(i).offset, n) = P_w.middleRows(at, n);
+    dx.segment(block(i).offset, n) = w.segment(at, n);
+  }
+  for (std::size_t i = 0; i < released.size(); ++i) {
+    const auto at = n * static_cast<Eigen::Index>(i);
+    FilterLandmark& landmark = landmarks.at(released[i].track);
+    const StateBlock own = landmark.constrained_block;
+    covariance.assign(own, P_xw.middleCols(at, n), P_w.block(at, at, n, n));
+    landmark.w.setZero(own.dim);
+    landmark.w_block = own;
+    landmark.information_vector.resize(0);
+    landmark.constrained_block = {};
+  }
   return dx;
 }
 

@@ -99,15 +99,13 @@ struct JointState {
   // remember it. `sensitivity` is P[:, w] P_ww^-1, `information` P_ww^-1 and `vector` P_ww^-1 w.
   void constrain_motion(int track, const Eigen::MatrixXd& sensitivity,
                         const Eigen::MatrixXd& information, const Eigen::VectorXd& vector);
-  // The marginal of w, were it free: mean and covariance. None when it is not determined.
-  struct Motion {
-    MotionVector mean;
-    MotionMatrix covariance;
+  // As if w = 0 of these landmarks had never been used, and y is moved on by F_yw w. Returns the
+  // correction of the state, to be made. Throws Diverged where w is not determined.
+  struct Released {
+    int track = 0;
+    Eigen::MatrixXd F_yw;
   };
-  std::optional<Motion> constrained_motion(int track) const;
-  // As if w = 0 had never been used, and y is moved on by F_yw w. Returns the correction of the
-  // state, to be made.
-  Eigen::VectorXd release_motion(int track, const Motion& motion, const Eigen::MatrixXd& F_yw);
+  Eigen::VectorXd release_motions(std::span<const Released> released);
   void forget_motion(int track);
 
  private:

@@ -47,6 +47,7 @@ class Window final : public Belief {
     marginals_.motions(tracks, result);
   }
   void collapse(std::span<const int> tracks) override;
+  bool remembers_motions() const override { return remembers_; }
   void constrained_motions(std::span<const int> tracks, RememberedMotions& result) override {
     marginals_.constrained_motions(tracks, result);
   }

@@ -106,6 +106,7 @@ class FakeBelief final : public Belief {
       if (remembers_all) remembered.insert(track);
     }
   }
+  bool remembers_motions() const override { return true; }
   void constrained_motions(std::span<const int> tracks, RememberedMotions& result) override {
     result.reset(std::ssize(tracks), 3);
     for (const int track : tracks) {

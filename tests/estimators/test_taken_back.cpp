@@ -77,8 +77,9 @@ class TakenBack : public testing::TestWithParam<std::string> {
 
 TEST_P(TakenBack, ItsDamageGoesWithIt) {
   Configuration configuration;
-  configuration.model.adaptive_motion = false;  // these two cure a part of what is tested
+  configuration.model.adaptive_motion = false;  // this cures a part of what is tested
   configuration.model.policy.movers = Movers::kJoint;
+  configuration.model.labels.births = Births::kStaticFirst;  // with a memory and without
   Configuration forgetful = configuration;
   forgetful.model.labels.memory = 0;
   const double never = error("odds", configuration);

@@ -50,7 +50,7 @@ TEST(KnownLandmark, WhoseFirstPixelIsRefusedIsAsItWasStated) {
   EXPECT_EQ(found, 1);
 }
 
-// The motions of landmarks that a classifier has found static by frame `since`, constrained to zero
+// The motions of landmarks at rest that were there by frame `since`, constrained to zero
 // (constrained_motion.cpp), after the whole sequence in a window of so many frames.
 std::map<int, MotionBelief> constrained_motions(const Sequence& sequence, int frames, int since) {
   Configuration configuration;
@@ -59,8 +59,7 @@ std::map<int, MotionBelief> constrained_motions(const Sequence& sequence, int fr
   for (const Frame& frame : sequence.frames) run.process(frame);
   std::vector<int> tracks;
   for (const auto& [track, record] : run.loop->records()) {
-    const bool is_old = record.decision_frame && *record.decision_frame <= since;
-    if (record.label == Label::kStatic && is_old) tracks.push_back(track);
+    if (rests(record) && record.first_frame <= since) tracks.push_back(track);
   }
   RememberedMotions motions;
   run.window->constrained_motions(tracks, motions);

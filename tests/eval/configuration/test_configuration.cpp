@@ -163,8 +163,8 @@ TEST(Preset, HasTheValuesOfTheThesis) {
             "labels.births=static_first motion.discretisation=impulse gate.probability=0.95 "
             "policy.max_landmarks=100000 policy.max_visible=100000 policy.prune_after=100000"},
            {"fig_3_1", "ekf",
-            "window.frames=10 window.iterations=5 classifier.static_threshold=1e12 "
-            "classifier.moving_threshold=1e12"}}) {
+            "labels.births=static_first window.frames=10 window.iterations=5 "
+            "classifier.static_threshold=1e12 classifier.moving_threshold=1e12"}}) {
     SCOPED_TRACE(name);
     Configuration typed;
     typed.preset = "thesis";
