@@ -33,7 +33,9 @@ def percent(ratio):
 ALIGNED_FIRST = ("coverage", "ate_sim3_m", "sim3_scale", "ate_se3_m", "rpe_1s_position_rmse_m", "rpe_1s_rotation_rmse_deg")
 
 def columns(comparison, of):
-    shown_ones = [metric for metric in comparison.table.values() if metric.of == of and metric.on_page]
+    # Where truth is exact an error at another scale tells nothing that the one beside it does not.
+    shown_ones = [metric for metric in comparison.table.values()
+                  if metric.of == of and metric.on_page and (comparison.aligned or metric.key != "rpe_1s_scaled_position_rmse_m")]
     if comparison.aligned:
         shown_ones.sort(key=lambda m: ALIGNED_FIRST.index(m.key) if m.key in ALIGNED_FIRST else len(ALIGNED_FIRST))
     defined = [m for m in shown_ones if any(run.value(m.key, which) is not None or is_infinite(run, m)
