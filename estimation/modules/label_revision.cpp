@@ -15,7 +15,9 @@ constexpr int kMostUnseen = 5;         // frames, and a motion is forgotten
 // In a frame. The others are asked again when its measurements and the next ones' have been seen
 // without them: more at once are lost where a whole scene looks moving because the camera is wrong.
 constexpr int kMostReleases = 3;
-constexpr double kBeyondDoubt = 1e4;  // posterior over prior odds of rest
+// Posterior over prior odds of rest.
+constexpr double kBeyondDoubt = 1e4;
+constexpr double kInDoubt = 2.0;
 
 // How far a motion is from rest, in sigmas; and where it says nothing, how clearly innovations
 // reject the label. Motions of landmarks that were never measured are at rest but for rounding.
@@ -26,7 +28,21 @@ Evidence evidence_of(const MotionBelief& motion, const TrackRecord& record) {
   return {distance > kRounding ? distance : 0.0, -log_tail(record)};
 }
 
-// Of the remembered motions that reject their label, the one whose evidence is the clearest.
+// Held at its birth, and its measurements do not speak for rest. A mover that is held until the
+// classifier is sure bends the map, and where little else holds the camera that makes what rests
+// look moving: no later release mends what was linearised there.
+bool is_in_doubt(const TrackRecord& record, const MotionBelief& motion) {
+  if (!record.is_held || record.observations < 2) return false;
+  const auto log_ratio = log_odds_ratio_of_rest(motion);
+  return log_ratio && *log_ratio < std::log(kInDoubt);
+}
+
+bool is_to_be_released(const TrackRecord& record, const MotionAnswer& answer) {
+  return answer.label == Label::kMoving || is_rejected(record) ||
+         is_in_doubt(record, answer.motion);
+}
+
+// Of the remembered motions that are to be released, the one whose evidence is the clearest.
 std::optional<std::size_t> most_significant(const TrackRecords& records,
                                             const RememberedMotions& motions,
                                             const AskMotion& ask) {
@@ -35,7 +51,7 @@ std::optional<std::size_t> most_significant(const TrackRecords& records,
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const auto answer = ask(i);
     const TrackRecord& record = records.at(motions.track(i));
-    if (!answer || (answer->label != Label::kMoving && !is_rejected(record))) continue;
+    if (!answer || !is_to_be_released(record, *answer)) continue;
     const Evidence evidence = evidence_of(answer->motion, record);
     if (result && evidence <= most) continue;
     most = evidence;

@@ -11,8 +11,9 @@
 // A label that either rejects is undone. Where the motion is remembered the landmark is released as
 // if it had never been static, the most significant first, and the others are asked again without
 // it: what bends the map makes others look moving too. Else it is free from this frame on. Those
-// that are held at birth (births.h) are released by the same rule. A moving landmark is asked again
-// in every frame, so that one that has stopped becomes static.
+// that are held at birth (births.h) are released by the same rule, and as soon as their
+// measurements do not speak for rest: no label is undone by that, and they are asked on. A moving
+// landmark is asked again in every frame, so that one that has stopped becomes static.
 //
 // A motion is remembered for `labels.memory` frames, while the landmark is measured, and until the
 // evidence that it rests is beyond doubt.

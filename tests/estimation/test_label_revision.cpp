@@ -134,8 +134,9 @@ class UndoingOf : public testing::Test {
   // The classifier says that these move, however little.
   void find(const TrackRecords& records, const std::set<int>& moving) {
     const auto ask = [&](std::size_t i) -> std::optional<MotionAnswer> {
-      const auto motion = motions_.motion(i, find_landmark("scaled_velocity", "inverse_depth"));
+      auto motion = motions_.motion(i, find_landmark("scaled_velocity", "inverse_depth"));
       if (!motion) return std::nullopt;
+      motion->prior_sigmas = MotionVector::Ones(3);
       const bool moves = moving.contains(motion->track);
       return MotionAnswer{*motion, moves ? Label::kMoving : Label::kUnknown};
     };
@@ -162,6 +163,29 @@ TEST_F(UndoingOf, NoMoreThanThreeInAFrame) {
   for (const int track : tracks_) add(track, track);
   find(static_records(tracks_, {}), {1, 2, 3, 4, 5, 6});
   EXPECT_EQ(undoing_.release, (std::vector<int>{6, 5, 4}));
+}
+
+// From its second measurement on, and unless they double the odds of rest: (1/s) exp(-d^2/2) in
+// each direction of unit prior.
+TEST_F(UndoingOf, HeldAndMeasuredTwiceItMustSpeakForRest) {
+  TrackRecords records = static_records(tracks_, {});
+  for (const int track : {1, 2, 3}) {
+    records.at(track).label = Label::kUnknown;
+    records.at(track).is_held = true;
+    records.at(track).observations = 2;
+  }
+  add(1, 0.0, std::cbrt(0.51));  // 1.96
+  add(2, 0.0, std::cbrt(0.49));  // 2.04
+  add(3, 1.7, std::cbrt(0.49));  // 0.48
+  add(4, 1.7);                   // it has its label, and keeps it
+  find(records, {});
+  EXPECT_EQ(undoing_.release, (std::vector<int>{3, 1}));
+  for (const int track : {1, 3}) records.at(track).observations = 1;
+  motions_ = {};
+  add(1, 1.7);
+  add(3, 1.7);
+  find(records, {});
+  EXPECT_TRUE(undoing_.release.empty());
 }
 
 TEST_F(UndoingOf, NothingWhereNothingSpeaksAgainstALabel) {

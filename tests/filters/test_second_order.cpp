@@ -92,6 +92,7 @@ TEST(SecondOrder, KnownLandmarksAreBelievedWhereTheMeanDepthIsNotKnown) {
         "circle", {{"frames", "4"}, {"moving", "0"}, {"noise", "0.1"}, {"stated_noise", "0.1"}},
         seed);
     Configuration configuration;
+    configuration.model.labels.births = Births::kStaticFirst;  // as they are
     slammot::Setup setup = make_setup(sequence, configuration);
     setup.prior = {};
     setup.prior.inverse_depth = 0.5;
