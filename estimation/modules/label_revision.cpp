@@ -12,12 +12,13 @@ namespace {
 constexpr int kInnovations = 10;       // the latest, in the test of a label
 constexpr double kProbability = 1e-4;  // of a right label being rejected in a frame
 constexpr int kMostUnseen = 5;         // frames, and a motion is forgotten
-// In a frame. The others are asked again when its measurements and the next ones' have been seen
-// without them: more at once are lost where a whole scene looks moving because the camera is wrong.
+// Found to move in a frame. The others are asked again when its measurements and the next ones'
+// have been seen without them: more at once are lost where a whole scene looks moving because the
+// camera is wrong. Those that are only in doubt may all go.
 constexpr int kMostReleases = 3;
 // Posterior over prior odds of rest.
 constexpr double kBeyondDoubt = 1e4;
-constexpr double kInDoubt = 2.0;
+constexpr double kInDoubt = 4.0;
 
 // How far a motion is from rest, in sigmas; and where it says nothing, how clearly innovations
 // reject the label. Motions of landmarks that were never measured are at rest but for rounding.
@@ -37,25 +38,31 @@ bool is_in_doubt(const TrackRecord& record, const MotionBelief& motion) {
   return log_ratio && *log_ratio < std::log(kInDoubt);
 }
 
-bool is_to_be_released(const TrackRecord& record, const MotionAnswer& answer) {
-  return answer.label == Label::kMoving || is_rejected(record) ||
-         is_in_doubt(record, answer.motion);
+bool is_rejected(const TrackRecord& record, const MotionAnswer& answer) {
+  return answer.label == Label::kMoving || is_rejected(record);
 }
 
-// Of the remembered motions that are to be released, the one whose evidence is the clearest.
-std::optional<std::size_t> most_significant(const TrackRecords& records,
-                                            const RememberedMotions& motions,
-                                            const AskMotion& ask) {
-  std::optional<std::size_t> result;
+// Of the remembered motions that reject their label (only `with_rejected`) or are in doubt, the
+// one whose evidence is the clearest.
+struct Release {
+  std::size_t index = 0;
+  bool is_rejected = false;
+};
+std::optional<Release> most_significant(const TrackRecords& records,
+                                        const RememberedMotions& motions, const AskMotion& ask,
+                                        bool with_rejected) {
+  std::optional<Release> result;
   Evidence most;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const auto answer = ask(i);
+    if (!answer) continue;
     const TrackRecord& record = records.at(motions.track(i));
-    if (!answer || !is_to_be_released(record, *answer)) continue;
+    const bool rejected = is_rejected(record, *answer);
+    if (rejected ? !with_rejected : !is_in_doubt(record, answer->motion)) continue;
     const Evidence evidence = evidence_of(answer->motion, record);
     if (result && evidence <= most) continue;
     most = evidence;
-    result = i;
+    result = {i, rejected};
   }
   return result;
 }
@@ -137,11 +144,11 @@ void find_undoing(const TrackRecords& records, std::span<const int> tracks,
                   RememberedMotions& motions, const AskMotion& ask, Undoing& result) {
   result.free.clear();
   result.release.clear();
-  for (int k = 0; k < kMostReleases; ++k) {
-    const auto most = most_significant(records, motions, ask);
-    if (!most) break;
-    result.release.push_back(motions.track(*most));
-    motions.release(*most);
+  int rejected = 0;
+  while (const auto most = most_significant(records, motions, ask, rejected < kMostReleases)) {
+    result.release.push_back(motions.track(most->index));
+    if (!motions.release(most->index)) break;
+    rejected += most->is_rejected ? 1 : 0;
   }
   for (const int track : tracks) {
     const bool is_remembered = std::ranges::count(motions.tracks(), track) > 0;

@@ -165,22 +165,24 @@ TEST_F(UndoingOf, NoMoreThanThreeInAFrame) {
   EXPECT_EQ(undoing_.release, (std::vector<int>{6, 5, 4}));
 }
 
-// From its second measurement on, and unless they double the odds of rest: (1/s) exp(-d^2/2) in
-// each direction of unit prior.
+// From its second measurement on, and unless they make the odds of rest four times as large: by
+// s^-3 exp(-d^2/2) where all three directions have a unit prior. As many as there are.
 TEST_F(UndoingOf, HeldAndMeasuredTwiceItMustSpeakForRest) {
   TrackRecords records = static_records(tracks_, {});
-  for (const int track : {1, 2, 3}) {
+  for (const int track : {1, 2, 3, 5, 6}) {
     records.at(track).label = Label::kUnknown;
     records.at(track).is_held = true;
     records.at(track).observations = 2;
   }
-  add(1, 0.0, std::cbrt(0.51));  // 1.96
-  add(2, 0.0, std::cbrt(0.49));  // 2.04
-  add(3, 1.7, std::cbrt(0.49));  // 0.48
+  add(1, 0.1, std::cbrt(0.26));  // 3.8
+  add(2, 0.1, std::cbrt(0.24));  // 4.1
+  add(3, 1.7, std::cbrt(0.24));  // 0.98
   add(4, 1.7);                   // it has its label, and keeps it
+  add(5, 1.8);
+  add(6, 1.9);
   find(records, {});
-  EXPECT_EQ(undoing_.release, (std::vector<int>{3, 1}));
-  for (const int track : {1, 3}) records.at(track).observations = 1;
+  EXPECT_EQ(undoing_.release, (std::vector<int>{6, 5, 3, 1}));
+  for (const int track : {1, 3, 5, 6}) records.at(track).observations = 1;
   motions_ = {};
   add(1, 1.7);
   add(3, 1.7);
