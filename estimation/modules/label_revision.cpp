@@ -14,11 +14,12 @@ constexpr double kProbability = 1e-4;  // of a right label being rejected in a f
 constexpr int kMostUnseen = 5;         // frames, and a motion is forgotten
 // Found to move in a frame. The others are asked again when its measurements and the next ones'
 // have been seen without them: more at once are lost where a whole scene looks moving because the
-// camera is wrong. Those that are only in doubt may all go.
+// camera is wrong. Of those that are only in doubt half of what rests may go: the first go with
+// little evidence, and without them less is known of the others.
 constexpr int kMostReleases = 3;
 // Posterior over prior odds of rest.
 constexpr double kBeyondDoubt = 1e4;
-constexpr double kInDoubt = 4.0;
+constexpr double kInDoubt = 3.0;
 
 // How far a motion is from rest, in sigmas; and where it says nothing, how clearly innovations
 // reject the label. Motions of landmarks that were never measured are at rest but for rounding.
@@ -42,15 +43,15 @@ bool is_rejected(const TrackRecord& record, const MotionAnswer& answer) {
   return answer.label == Label::kMoving || is_rejected(record);
 }
 
-// Of the remembered motions that reject their label (only `with_rejected`) or are in doubt, the
-// one whose evidence is the clearest.
+// Of the remembered motions that reject their label or are in doubt, as far as these are asked for,
+// the one whose evidence is the clearest.
 struct Release {
   std::size_t index = 0;
   bool is_rejected = false;
 };
 std::optional<Release> most_significant(const TrackRecords& records,
                                         const RememberedMotions& motions, const AskMotion& ask,
-                                        bool with_rejected) {
+                                        bool with_rejected, bool with_doubted) {
   std::optional<Release> result;
   Evidence most;
   for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -58,7 +59,8 @@ std::optional<Release> most_significant(const TrackRecords& records,
     if (!answer) continue;
     const TrackRecord& record = records.at(motions.track(i));
     const bool rejected = is_rejected(record, *answer);
-    if (rejected ? !with_rejected : !is_in_doubt(record, answer->motion)) continue;
+    const bool doubted = with_doubted && is_in_doubt(record, answer->motion);
+    if (rejected ? !with_rejected : !doubted) continue;
     const Evidence evidence = evidence_of(answer->motion, record);
     if (result && evidence <= most) continue;
     most = evidence;
@@ -144,11 +146,13 @@ void find_undoing(const TrackRecords& records, std::span<const int> tracks,
                   RememberedMotions& motions, const AskMotion& ask, Undoing& result) {
   result.free.clear();
   result.release.clear();
-  int rejected = 0;
-  while (const auto most = most_significant(records, motions, ask, rejected < kMostReleases)) {
+  int rejected = 0, doubted = 0;
+  for (;;) {
+    const auto most = most_significant(records, motions, ask, rejected < kMostReleases,
+                                       2 * (doubted + 1) <= std::ssize(tracks));
+    if (!most || !motions.release(most->index)) break;
     result.release.push_back(motions.track(most->index));
-    if (!motions.release(most->index)) break;
-    rejected += most->is_rejected ? 1 : 0;
+    ++(most->is_rejected ? rejected : doubted);
   }
   for (const int track : tracks) {
     const bool is_remembered = std::ranges::count(motions.tracks(), track) > 0;
