@@ -56,6 +56,7 @@ TEST(KnownLandmark, WhoseFirstPixelIsRefusedIsAsItWasStated) {
 std::map<int, MotionBelief> constrained_motions(const Sequence& sequence, int frames, int since) {
   Configuration configuration;
   configuration.window.frames = frames;
+  configuration.model.labels.births = Births::kStaticFirst;  // the same labels in every window
   LoopedWindow run(sequence, configuration);
   for (const Frame& frame : sequence.frames) run.process(frame);
   std::vector<int> tracks;
