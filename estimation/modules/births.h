@@ -8,7 +8,8 @@
 // `held`: most of a scene rests, so each rests until evidence says otherwise. What its motion would
 // be is remembered from its first pixel, and the classifier is asked about that as about a free
 // one's (label_revision.h). Its label is unknown meanwhile; it is released once its measurements do
-// not speak for rest, and what its rest has done is undone. Where no motion can be remembered `held` is `static_first`.
+// not speak for rest, and what its rest has done is undone. Where no motion can be remembered
+// `held` is `static_first`.
 #pragma once
 
 #include "estimation/options.h"
