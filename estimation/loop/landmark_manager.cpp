@@ -171,9 +171,12 @@ void LandmarkManager::apply(const Undoing& undoing, Belief& belief) {
     belief.free(track, records_.at(track).prior);
   }
   undone_ += std::ssize(undoing.free);
-  for (const int track : undoing.release) note_reverted(records_.at(track));
+  for (const int track : undoing.release) {
+    TrackRecord& record = records_.at(track);
+    ++(record.is_held ? let_go_ : released_);  // no label is undone of one that is held
+    note_reverted(record);
+  }
   if (!undoing.release.empty()) belief.release(undoing.release, records_);
-  released_ += std::ssize(undoing.release);
 }
 
 // With what the classifier asks besides.
@@ -257,8 +260,10 @@ void LandmarkManager::in_force(InForce& result) const {
   result.push_back({"labels by posterior odds", "classifier", odds && can_move, odds ? at_rest : "",
                     odds ? answered_ : 0});
   const bool held = labels.births == Births::kHeld;
-  result.push_back({"births held at rest", "labels.births", births_ == Births::kHeld,
-                    held ? (remembers ? no_memory : "labels.memory=0") : "", held_});
+  const std::string not_held = held ? (remembers ? no_memory : "labels.memory=0") : "";
+  const bool holds = births_ == Births::kHeld;
+  result.push_back({"births held at rest", "labels.births", holds, not_held, held_});
+  result.push_back({"births that were held released", "labels.births", holds, not_held, let_go_});
   const bool condition = m.collapse == Collapse::kCondition;
   result.push_back({"rest used as a measurement", "collapse", condition && can_move,
                     condition ? at_rest : "", condition ? collapsed_ : 0});

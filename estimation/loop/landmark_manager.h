@@ -66,7 +66,8 @@ class LandmarkManager {
   bool remembers_;
   int memory_;     // frames for which the motion of a static landmark is remembered
   Births births_;  // as they act
-  long undone_ = 0, released_ = 0, answered_ = 0, collapsed_ = 0, learnt_ = 0, held_ = 0;
+  long undone_ = 0, released_ = 0, answered_ = 0, collapsed_ = 0, learnt_ = 0, held_ = 0,
+       let_go_ = 0;
 
   // Of the frame in hand; kept for their memory.
   std::vector<int> tracks_, now_static_;

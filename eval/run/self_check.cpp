@@ -158,8 +158,8 @@ std::optional<RunWarning> nothing_static(const RunResult& run) {
     const FrameCounts& c = run.counts[i];
     if (has_seen && c.accepted > 0 && c.accepted_static == 0) {
       return RunWarning{run.frames[i],
-                        "of the landmarks in view none is static: what it had called static was "
-                        "lost or taken back, and nothing ties the camera to the map before"};
+                        "of the landmarks in view none is static: what was taken to be at rest "
+                        "was lost or set free, and nothing ties the camera to the map before"};
     }
     has_seen = has_seen || c.accepted_static >= kLeastStatic;
   }

@@ -110,11 +110,6 @@ void Graph::free_landmark(LandmarkId id, const MotionVector& sigmas) {
   landmark.w_sigmas = sigmas;
 }
 
-void Graph::condition_on_rest(LandmarkId id) {
-  constrain_to_rest(id, 0.0);
-  forget_motion(id);
-}
-
 void Graph::constrain_to_rest(LandmarkId id, double rest_time) {
   GraphLandmark& l = (*this)[id];
   Variable& w = variables[l.w];

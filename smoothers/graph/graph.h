@@ -87,9 +87,8 @@ class Graph {
   // It is free from its base, where no chain has begun, with w at zero under its prior.
   void free_landmark(LandmarkId id, const MotionVector& sigmas);
   // It has been at rest all the time: w and all noises are zero, and its measurements are those of
-  // one point. Those along the chain are linearised anew. constrain_to_rest() keeps w, until it is
-  // forgotten or released, and a chain begins. `rest_time` is that of the base [s].
-  void condition_on_rest(LandmarkId id);
+  // one point. Those along the chain are linearised anew. w is kept, until it is forgotten or
+  // released, and a chain begins. `rest_time` is that of the base [s].
   void constrain_to_rest(LandmarkId id, double rest_time);
   void forget_motion(LandmarkId id);
   void release_motion(LandmarkId id);

@@ -196,38 +196,5 @@ TEST(MoverSigmas, RmsIsThatOfTheTruthDifferentiated) {
   }
 }
 
-// Over many movers, on each horizontal axis: the largest over all horizons of n steps of
-// RMS(x(t + n dt) - x(t)) / (dt sqrt(n)), for the velocity and for the acceleration.
-MoverSigmas strays(const ManoeuvreOptions& options, double dt) {
-  constexpr int kHorizons = 150, kMovers = 4000;
-  std::vector<Eigen::Array2d> squares(kHorizons + 1, Eigen::Array2d::Zero());
-  RandomStream random(1, "strays");
-  for (int i = 0; i < kMovers; ++i) {
-    const double azimuth = random.uniform(-std::numbers::pi, std::numbers::pi);
-    const Eigen::Vector3d course(std::sin(azimuth), 0.0, std::cos(azimuth));
-    const auto m = draw_manoeuvre(options, course, random);
-    for (int n = 1; m && n <= kHorizons; ++n) {
-      const double v = (m->velocity(n * dt) - m->velocity(0.0)).squaredNorm();
-      const double a = (m->acceleration(n * dt) - m->acceleration(0.0)).squaredNorm();
-      squares[static_cast<size_t>(n)] += Eigen::Array2d(v, a) / (2.0 * kMovers * n * dt * dt);
-    }
-  }
-  Eigen::Array2d largest = Eigen::Array2d::Zero();
-  for (const Eigen::Array2d& square : squares) largest = largest.max(square.sqrt());
-  return {largest(0), largest(1)};
-}
-
-TEST(MoverSigmas, WhiteNoiseCoversHowFarVelocityAndAccelerationStray) {
-  for (const double period : {2.5, 4.0}) {
-    VolumeOptions options;
-    options.max_climb_deg = 0.0;
-    options.manoeuvres = {0.5, 2.0, 1.0, period};
-    const MoverSigmas truth = strays(options.manoeuvres, 1.0 / 15.0);
-    const MoverSigmas computed = white_noise_of_movers(options, 1.0 / 15.0);
-    EXPECT_NEAR(truth.acceleration / computed.acceleration, 1.0, 0.05) << period;
-    EXPECT_NEAR(truth.jerk / computed.jerk, 1.0, 0.05) << period;
-  }
-}
-
 }  // namespace
 }  // namespace slammot

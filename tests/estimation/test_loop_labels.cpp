@@ -158,6 +158,11 @@ TEST_F(HeldBirths, RestUntilTheirMotionSaysOtherwise) {
     EXPECT_FALSE(is_held(track));
   }
   for (const int track : {10, 20}) EXPECT_TRUE(is_held(track));
+  std::map<std::string, long> acted;
+  for (const auto& row : loop_->in_force()) acted[row.name] = row.acted;
+  EXPECT_EQ(acted.at("births held at rest"), 4);
+  EXPECT_EQ(acted.at("births that were held released"), 2);
+  EXPECT_EQ(acted.at("labels undone"), 0);  // they had none
 }
 
 TEST_F(HeldBirths, AreStaticOnceTheirMotionSaysSo) {

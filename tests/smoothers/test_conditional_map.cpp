@@ -157,7 +157,8 @@ TEST_P(InactiveMap, ConditionedOnZero) {
                                  P.topLeftCorner(n, n) - gain * P.bottomLeftCorner(m, n)};
   EXPECT_GT(test::difference(rest, expected), 1e-3);
 
-  graph.condition_on_rest(Scene::kMoving);
+  graph.constrain_to_rest(Scene::kMoving, 0.0);
+  graph.forget_motion(Scene::kMoving);
   EXPECT_FALSE(l.is_free());
   EXPECT_LT(test::difference(posterior(asked), expected), kExact);
 }

@@ -110,7 +110,8 @@ TEST(Graph, ConditionedOnRest) {
       scene.move();
     }
     const Eigen::Index size = test::Columns(graph).size();
-    graph.condition_on_rest(Scene::kMoving);
+    graph.constrain_to_rest(Scene::kMoving, 0.0);
+    graph.forget_motion(Scene::kMoving);
     const GraphLandmark& l = graph[Scene::kMoving];
     EXPECT_FALSE(l.is_free());
     EXPECT_EQ(l.pixels.size(), 5u);

@@ -26,11 +26,4 @@ MoverSigmas rms_of_movers(const VolumeOptions& options) {
   return {std::sqrt(square), rate * std::sqrt(square)};
 }
 
-MoverSigmas white_noise_of_movers(const VolumeOptions& options, double dt) {
-  constexpr double kLargest = 1.4492;  // 2 max (1 - cos x) / x
-  const double factor = std::sqrt(kLargest / (mean_rate(options.manoeuvres) * dt));
-  const MoverSigmas rms = rms_of_movers(options);
-  return {factor * rms.acceleration, factor * rms.jerk};
-}
-
 }  // namespace slammot

@@ -23,15 +23,4 @@ struct MoverSigmas {
 // where E w^2 = (2 pi / period)^2 / (1 - spread^2) for periods uniform in period (1 -+ spread).
 MoverSigmas rms_of_movers(const VolumeOptions& options);
 
-// The white noise per step of `dt` that explains how far velocity and acceleration stray over every
-// horizon, as prior_of() measures it: of a sinusoid x with rate w, after tau = n dt,
-//   RMS(x(t + tau) - x(t))^2 / (n dt^2) = 2 RMS(x)^2 (1 - cos w tau) / (tau dt),
-// which is largest at w tau = 2.3311: 1.4492 RMS(x')^2 / (w dt). So it is the RMS of the derivative
-// times sqrt(1.4492 / (w dt)), here with w of the mean period; for steps much shorter than that.
-//
-// An honest noise, but no useful one: it is stated of every landmark whose motion is unknown, and
-// with the 2.1 m/s^2 of the scenario `manoeuvres` hardly any static one is ever found static. With
-// the RMS, 0.56 m/s^2, they are, and the velocities of movers are overconfident.
-MoverSigmas white_noise_of_movers(const VolumeOptions& options, double dt);
-
 }  // namespace slammot
