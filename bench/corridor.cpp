@@ -68,7 +68,7 @@ Corridor make_corridor(const CorridorOptions& options) {
   for (int k = 0; k < options.frames; ++k) {
     const double t = k * kPeriod;
     const CameraState at = camera_at(t, options.speed);
-    Frame frame{k, t, {}};
+    Frame frame{k, t, {}, {}};
     for (std::size_t i = 0; i < all.size(); ++i) {
       const Eigen::Vector3d ray = all[i].position + t * all[i].velocity - at.position;
       const auto seen = camera.project(ray);

@@ -1,8 +1,9 @@
 """recordings.py SLAMMOT DATA OUTPUT [--jobs 2]: real recordings, several draws of each, as one table: results/recordings/table.md is made of it.
 
-DATA holds `kitti_klt` (drives with other people's tracks), `kitti00` and `kitti_traffic` (images, tracked here with --points 50, 60, 70 and 100). Stated are
+DATA holds `kitti_klt` (drives with other people's tracks, of one camera and of both as a rig), `kitti00` and `kitti_traffic` (images, tracked here with --points 50, 60, 70 and 100). Stated are
 camera and first velocity; settings are the defaults. A draw is a drive, or a set of tracks of one recording. Errors are geometric means over the draws with
-the least and the largest; ATE after Sim(3) in per cent of the true path, in brackets of the smoothed path; rotation relative to the first pose. What is in
+the least and the largest; ATE after Sim(3) in per cent of the true path, of the smoothed path too, and after SE(3), which judges the metres; rotation
+relative to the first pose. What is in
 OUTPUT is not computed again; OUTPUT belongs to one build of the program.
 """
 import argparse
@@ -12,6 +13,8 @@ import math
 import pathlib
 import subprocess
 import sys
+
+import yaml
 
 from real_images import claim
 
@@ -25,9 +28,27 @@ def call(arguments, log):
     log.write_text(done.stdout + done.stderr, encoding="utf-8")
 
 
+def rig_of(drive, output):
+    """The drive with its right camera beside the left one, as a rig in slammot's format."""
+    rig = output / "rigs" / drive.name
+    rig.mkdir(parents=True, exist_ok=True)
+    for name in ("frames.csv", "groundtruth.tum", "initial.yaml"):
+        (rig / name).write_bytes((drive / name).read_bytes())
+    mounted = yaml.safe_load((drive / "extrinsics.yaml").read_text(encoding="utf-8"))
+    settings = yaml.safe_load((drive / "sequence.yaml").read_text(encoding="utf-8"))
+    settings["cameras"] = [settings.pop("camera"), {**mounted["camera_right"], "T_C0_C": mounted["T_left_right"]}]
+    (rig / "sequence.yaml").write_text(yaml.safe_dump(settings, sort_keys=False), encoding="utf-8")
+    rows = ["frame,track,u,v,camera"]
+    for camera, name in enumerate(("observations.csv", "observations_right.csv")):
+        rows += [f"{row},{camera}" for row in (drive / name).read_text(encoding="utf-8").split()[1:]]
+    (rig / "observations.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return rig
+
+
 def draws(program, data, output):
     """Folders of sequences by the name of their row."""
     found = {"drives": sorted(p for p in (data / "kitti_klt").glob("*_drive_*"))}
+    found["drives, both cameras"] = [rig_of(drive, output) for drive in found["drives"]]
     for name in IMAGES:
         found[name] = []
         for points in POINTS:
@@ -47,7 +68,7 @@ def path_length(sequence):
 
 
 def run(program, sequence, estimator, output):
-    place = output / f"{sequence.name}-{estimator}"
+    place = output / f"{sequence.parent.name}-{sequence.name}-{estimator}"
     if not (place / "metrics.json").exists():
         call([program, "run", sequence, "--estimator", estimator, "--output", place], output / f"{place.name}.log")
     if not (place / "metrics.json").exists():
@@ -73,14 +94,14 @@ def row(name, estimator, sequences, runs):
     """One of the table; a run that ended without a result counts as failed."""
     ended = [(s, m) for s, m in zip(sequences, runs) if m]
 
-    def ate(kind):
-        return spread([100 * a / path_length(s) for s, m in ended if (a := accuracy(m, kind, "ate_sim3_m"))])
+    def ate(kind, alignment="sim3"):
+        return spread([100 * a / path_length(s) for s, m in ended if (a := accuracy(m, kind, f"ate_{alignment}_m"))])
 
     failed = len(runs) - len(ended) + sum(bool(m["failed"] or m["diverged"]) for _, m in ended)
     silent = sum(bool(m["failed_silently"]) for _, m in ended)
     rotation = spread([accuracy(m, "filtered", "rotation_rmse_deg") for _, m in ended])
     times = [m["runtime"]["frame_median_ms"] for _, m in ended]
-    return [name, estimator, str(len(runs)), ate("filtered"), ate("smoothed"), rotation, str(failed), str(silent),
+    return [name, estimator, str(len(runs)), ate("filtered"), ate("smoothed"), ate("filtered", "se3"), rotation, str(failed), str(silent),
             str(sum(bool(m["warned"]) for _, m in ended)), spread(times)]
 
 
@@ -96,8 +117,8 @@ def main():
     cells = [(name, e, s) for name, of in rows.items() for e in ESTIMATORS for s in of]
     with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
         results = list(pool.map(lambda cell: run(asked.program.resolve(), cell[2], cell[1], asked.output), cells))
-    print("| recording | estimator | draws | ATE Sim(3) [%] | smoothed [%] | rotation [deg] | failed | silently | warned | ms a frame |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
+    print("| recording | estimator | draws | ATE Sim(3) [%] | smoothed [%] | SE(3) [%] | rotation [deg] | failed | silently | warned | ms a frame |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|")
     for name, of in rows.items():
         for e in ESTIMATORS:
             mine = [m for (n, other, _), m in zip(cells, results) if (n, other) == (name, e)]

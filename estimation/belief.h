@@ -20,13 +20,15 @@
 #include "estimation/remembered_motions.h"
 #include "estimation/seen_depth.h"
 #include "estimation/track_policy.h"
+#include "models/points/first_sight.h"
 
 namespace slammot {
 
-// The NIS of a measurement given all others of its frame (label_revision.h).
+// The NIS of a landmark's measurements given those of all others of its frame (label_revision.h).
 struct LeaveOneOut {
   int track = 0;
   double nis = 0.0;
+  int pixels = 1;  // of two degrees of freedom each: one for each camera of a rig that measured it
 };
 
 // Where a landmark is believed to be.
@@ -108,10 +110,11 @@ class Belief {
 
   virtual void remove(std::span<const int> tracks, const TrackRecords& records) = 0;
 
-  // A landmark enters at its first pixel, thesis 2.1.3. False when the pixel has no ray. With
-  // Setup::prior.mean_sigma > 0 the mean of its inverse depth is a variable of the belief, and that
-  // of `prior` is not used.
-  virtual bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) = 0;
+  // A landmark enters at its first pixel, thesis 2.1.3, or with all that its first frame says of it
+  // (first_sight.h). False when the pixel has no ray. Its inverse depth has the prior of `seen`,
+  // its motion that of `prior`. With Setup::prior.mean_sigma > 0 the mean of the inverse depths is
+  // a variable of the belief, and used instead where the depth is not its own.
+  virtual bool add(const FirstSight& seen, const LandmarkPrior& prior, bool is_free) = 0;
 
   // At the end of a frame, whatever is left to check.
   virtual void finish() {}

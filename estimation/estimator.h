@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "estimation/in_force.h"
-#include "models/camera.h"
 #include "models/camera_motion.h"
 #include "models/label.h"
 #include "models/measurement.h"
+#include "models/rig.h"
 #include "models/truth.h"
 
 namespace slammot {
@@ -26,13 +26,19 @@ inline constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
 // The sequence's own statements, after the configuration has overridden them.
 struct Setup {
   Camera camera;
-  double pixel_sigma = 1.0;  // [px]
+  std::vector<MountedCamera> other_cameras;  // of a rig
+  bool measures_scale = false;               // by another camera, or by depths at birth
+  double pixel_sigma = 1.0;                  // [px]
   MotionNoise camera_noise;
   LandmarkPrior prior;
   InitialCamera initial;
   std::vector<KnownLandmark> known;
   std::map<int, Label> true_labels;    // by track; read by the classifier `truth` only
   std::shared_ptr<const Truth> truth;  // read by linearisation `ideal` only; may be none
+
+  Rig rig() const { return {camera, other_cameras}; }
+  // Whether anything but the camera's motion and guessed depths says how large the world is.
+  bool knows_scale() const { return measures_scale || !known.empty(); }
 };
 
 struct CameraEstimate {

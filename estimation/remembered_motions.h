@@ -28,9 +28,7 @@ class RememberedMotions {
   const std::vector<int>& tracks() const { return tracks_; }
 
   // Of those added so far, J and j.
-  auto information(std::size_t i, std::size_t k) {
-    return J_.block(row(i), row(k), dim_, dim_);
-  }
+  auto information(std::size_t i, std::size_t k) { return J_.block(row(i), row(k), dim_, dim_); }
   auto vector(std::size_t i) { return j_.segment(row(i), dim_); }
 
   // What they share through variables that are not known: J := J - C'C, C of their columns.

@@ -41,6 +41,7 @@ void check_options(const EkfOptions& options) {
 
 Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& options)
     : setup_(setup),
+      rig_(setup.rig()),
       options_(options),
       gauge_(models.gauge),
       functions_(find_landmark(models.landmark, models.point)),
@@ -48,9 +49,11 @@ Ekf::Ekf(const Setup& setup, const ModelOptions& models, const EkfOptions& optio
       remembers_(motion_memory(models, functions_) > 0),
       devices_{functions_, Linearisation(options.linearisation, functions_, setup.truth), {}} {
   if (gauge_ != Gauge::kNone && can_keep_gauge(options)) {
-    devices_.gauge.emplace(gauge_, functions_, !setup.known.empty());
+    devices_.gauge.emplace(gauge_, functions_, setup.knows_scale());
   }
-  if (has_second_order(options)) devices_.second_order = SecondOrder::kOwn;
+  if (has_second_order(options)) {
+    devices_.second_order = setup.measures_scale ? SecondOrder::kCommon : SecondOrder::kOwn;
+  }
   state_.camera = setup.initial.state;
   state_.covariance.append({}, setup.initial.sigmas().cwiseAbs2().asDiagonal().toDenseMatrix());
   const LandmarkPrior& prior = setup.prior;
@@ -95,7 +98,7 @@ void Ekf::add_known(const KnownLandmark& known) {
 }
 
 void Ekf::innovations(std::span<const Observation> measured, FrameInnovation& result) {
-  linearise(state_, devices_, setup_.camera, measured, innovation_);
+  linearise(state_, devices_, rig_, measured, innovation_);
   result.z = innovation_.matches;
   result.nu = innovation_.nu;
   fill_HPHt(state_, innovation_, result.HPHt);
@@ -110,7 +113,7 @@ void Ekf::widen(double factor) {
 void Ekf::predict_pixels(std::span<const int> tracks, std::vector<Prediction>& result) {
   result.clear();
   for (const int track : tracks) {
-    const auto expected = predict_pixel(state_, devices_, setup_.camera, track);
+    const auto expected = predict_pixel(state_, devices_, rig_, track);
     if (expected) result.push_back(*expected);
   }
 }
@@ -127,18 +130,11 @@ void Ekf::update(std::span<const Observation> accepted, std::span<const int> con
   }
   updates_ += counting_.empty() ? 0 : 1;
   keep(counting_, innovation_);
-  slammot::update(state_, devices_, setup_.camera, setup_.pixel_sigma, options_.iterations,
-                  innovation_);
-  update_considered(state_, devices_, setup_.camera, considered_, setup_.pixel_sigma, alone_);
+  slammot::update(state_, devices_, rig_, setup_.pixel_sigma, options_.iterations, innovation_);
+  update_considered(state_, devices_, rig_, considered_, setup_.pixel_sigma, alone_);
 }
 
-void Ekf::leave_one_out(std::vector<LeaveOneOut>& result) {
-  result.clear();
-  nis_given_others(innovation_, nis_);
-  for (std::size_t i = 0; i < nis_.size(); ++i) {
-    result.push_back({innovation_.matches[i].track, nis_[i]});
-  }
-}
+void Ekf::leave_one_out(std::vector<LeaveOneOut>& result) { nis_given_others(innovation_, result); }
 
 void Ekf::inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) {
   result.clear();
@@ -179,13 +175,17 @@ void Ekf::remove(std::span<const int> tracks, const TrackRecords& /*records*/) {
 }
 
 // Thesis 2.1.3, (2.7): y from pixel, rotation and prior, with its full cross-covariance.
-bool Ekf::add(const Observation& z, const LandmarkPrior& prior, bool is_free) {
-  const auto here = initialise(setup_.camera, functions_.point, state_.camera.orientation, z.pixel,
-                               state_.scene ? state_.scene->inverse_depth : prior.inverse_depth);
+bool Ekf::add(const FirstSight& seen, const LandmarkPrior& prior, bool is_free) {
+  const bool is_shared = state_.scene && !seen.has_own_depth;
+  const double depth = is_shared                 ? state_.scene->inverse_depth
+                       : seen.is_of_one_camera() ? seen.prior.inverse_depth
+                                                 : seen.inverse_depth;
+  const auto here =
+      initialise(setup_.camera, functions_.point, state_.camera.orientation, seen.pixel, depth);
   if (!here) return false;
-  const NewLandmark at = devices_.linearisation.birth(state_, setup_.camera, z, frame_, *here);
+  const NewLandmark at = devices_.linearisation.birth(state_, setup_.camera, seen, frame_, *here);
   anchor_here();
-  insert(z.track, here->y, append_new(z, at, prior, is_free ? functions_.dim() : 3));
+  insert(seen.z.track, here->y, append_new(seen, at, prior, is_free ? functions_.dim() : 3));
   return true;
 }
 

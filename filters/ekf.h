@@ -34,7 +34,7 @@ class Ekf final : public Belief {
   void free(int track, const LandmarkPrior& prior) override;
   void release(std::span<const int> tracks, const TrackRecords& records) override;
   void remove(std::span<const int> tracks, const TrackRecords& records) override;
-  bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override;
+  bool add(const FirstSight& seen, const LandmarkPrior& prior, bool is_free) override;
   void finish() override;
 
   void in_force(InForce& result) const override;
@@ -52,12 +52,13 @@ class Ekf final : public Belief {
   // landmarks.cpp: their rows.
   void predict_landmark(int track, FilterLandmark& landmark, Label label, double dt);
   void condition_on_rest(std::span<const int> tracks);
-  StateBlock append_new(const Observation& z, const NewLandmark& at, const LandmarkPrior& prior,
+  StateBlock append_new(const FirstSight& seen, const NewLandmark& at, const LandmarkPrior& prior,
                         int dim);
   FilterAnchor& anchor_here();
   void insert(int track, const Eigen::Vector3d& y, StateBlock block);
 
   Setup setup_;
+  Rig rig_;
   EkfOptions options_;
   Gauge gauge_;  // that is asked for
   const LandmarkFunctions& functions_;
@@ -73,7 +74,6 @@ class Ekf final : public Belief {
   // Of the frame in hand; kept for their memory.
   Innovation innovation_, alone_;
   std::vector<Observation> counting_, considered_;
-  std::vector<double> nis_;
 };
 
 // Throws std::invalid_argument for options that exclude each other.

@@ -93,18 +93,23 @@ void Ekf::condition_on_rest(std::span<const int> tracks) {
 }
 
 // The rows of a landmark's (y) or (y, w) when it is initialised.
-StateBlock Ekf::append_new(const Observation& z, const NewLandmark& at, const LandmarkPrior& prior,
-                           int dim) {
+StateBlock Ekf::append_new(const FirstSight& seen, const NewLandmark& at,
+                           const LandmarkPrior& prior, int dim) {
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(dim, dim);
-  const double pixel_variance = z.variance(setup_.pixel_sigma);
-  const double depth_variance = prior.inverse_depth_sigma * prior.inverse_depth_sigma;
+  const double pixel_variance = seen.z.variance(setup_.pixel_sigma);
+  const double depth_variance = seen.prior.sigma * seen.prior.sigma;
   R.topLeftCorner<3, 3>() = pixel_variance * at.J_pixel * at.J_pixel.transpose() +
                             depth_variance * at.J_inverse_depth * at.J_inverse_depth.transpose();
+  if (!seen.is_of_one_camera()) {
+    Eigen::Matrix3d J_u;
+    J_u << at.J_pixel, at.J_inverse_depth;
+    R.topLeftCorner<3, 3>() = J_u * seen.covariance * J_u.transpose();
+  }
   if (dim > 3) R.diagonal().tail(dim - 3) = functions_.prior_sigmas(prior).cwiseAbs2();
   Eigen::MatrixXd J = Eigen::MatrixXd::Zero(dim, 3);
   J.topRows<3>() = at.J_rotation;
   std::vector<JointCovariance::Dependence> on{{{kRotation, 3}, J}};
-  if (state_.scene) {
+  if (state_.scene && !seen.has_own_depth) {
     Eigen::MatrixXd J_scene = Eigen::MatrixXd::Zero(dim, 1);
     J_scene.topRows<3>() = at.J_inverse_depth;
     on.push_back({state_.scene->block, J_scene});

@@ -62,14 +62,15 @@ LandmarkVector Linearisation::at_rest(const Eigen::Vector3d& y) const {
 }
 
 NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
-                                 const Observation& z, int frame, const NewLandmark& here) {
+                                 const FirstSight& seen, int frame, const NewLandmark& here) {
   if (at_estimate()) return here;
   if (kind_ == Kind::kIdeal && !camera_) camera_ = true_camera(*truth_, frame);
   const CameraState at = this->camera(state);
   anchors_.try_emplace(frame, at.position);
-  Eigen::Vector2d pixel = z.pixel;
+  const int track = seen.z.track;
+  Eigen::Vector2d pixel = seen.pixel;
   std::optional<LandmarkVector> truth;
-  if (kind_ == Kind::kIdeal) truth = true_state(*truth_, functions_, z.track, frame, at.position);
+  if (kind_ == Kind::kIdeal) truth = true_state(*truth_, functions_, track, frame, at.position);
   if (truth) {
     const auto h = observe(camera, functions_.point, at.position, at.orientation, at.position,
                            Eigen::Vector3d(truth->head<3>()));
@@ -78,7 +79,7 @@ NewLandmark Linearisation::birth(const JointState& state, const Camera& camera,
   const auto born = initialise(camera, functions_.point, at.orientation, pixel,
                                functions_.point.inverse_depth(here.y));
   NewLandmark result = born ? *born : here;
-  landmarks_[z.track] = truth ? *truth : at_rest(result.y);
+  landmarks_[track] = truth ? *truth : at_rest(result.y);
   return result;
 }
 

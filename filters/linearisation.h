@@ -20,6 +20,7 @@
 #include "filters/covariance/joint_state.h"
 #include "filters/ekf_options.h"
 #include "models/landmarks/landmark_models.h"
+#include "models/points/first_sight.h"
 #include "models/points/initialisation.h"
 #include "models/truth.h"
 
@@ -46,8 +47,8 @@ class Linearisation {
 
   // A landmark is about to be initialised: its Jacobians, and its point from now on. `here` is what
   // initialise() gives at the estimate.
-  NewLandmark birth(const JointState& state, const Camera& camera, const Observation& z, int frame,
-                    const NewLandmark& here);
+  NewLandmark birth(const JointState& state, const Camera& camera, const FirstSight& seen,
+                    int frame, const NewLandmark& here);
   NewKnownLandmark known_birth(const JointState& state, const KnownLandmark& known, int frame,
                                const NewKnownLandmark& here);
 

@@ -1,5 +1,6 @@
 #include "filters/update.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cassert>
 
@@ -21,7 +22,7 @@ using Eigen::Index;
 // the truth a measurement counts whether or not the estimate sees its landmark: what is learnt must
 // not depend on the estimate.
 std::optional<ObservedPixel> linearised(const JointState& state, const Devices& devices,
-                                        const Camera& camera, int track) {
+                                        const MountedCamera& camera, int track) {
   const FilterLandmark& landmark = state.landmarks.at(track);
   const PointFunctions& point = devices.point();
   const Linearisation& linearisation = devices.linearisation;
@@ -124,7 +125,7 @@ void solve(Innovation& innovation) {
 // The innovation at an iterate x_i = x [+] dx, written as one of the prior's coordinates: with
 // dr = J_r dtheta the Jacobian of the iterate, H~ = H dr and nu~ = z - h(x_i) + H~ dx.
 // Where the linearisation point is fixed, H~ = H.
-void relinearise(const JointState& prior, const Devices& devices, const Camera& camera,
+void relinearise(const JointState& prior, const Devices& devices, const Rig& rig,
                  const Innovation& first, Innovation& innovation) {
   const Eigen::VectorXd dx = *innovation.dx;
   JointState iterate{prior.camera, prior.scene, prior.anchors, prior.landmarks, {}, {}, prior.time};
@@ -135,9 +136,9 @@ void relinearise(const JointState& prior, const Devices& devices, const Camera& 
   std::vector<bool> evaluated(first.matches.size(), false);
   for (std::size_t k = 0; k < first.matches.size(); ++k) {
     const FilterLandmark& landmark = iterate.landmarks.at(first.matches[k].track);
-    const auto h =
-        observe(camera, devices.point(), iterate.camera.position, iterate.camera.orientation,
-                iterate.anchors.at(landmark.anchor).position, landmark.y);
+    const auto h = observe(rig[first.matches[k].camera], devices.point(), iterate.camera.position,
+                           iterate.camera.orientation, iterate.anchors.at(landmark.anchor).position,
+                           landmark.y);
     if (!h) continue;  // keeps the residual and linearisation it had
     evaluated[k] = true;
     innovation.nu[k] = first.matches[k].pixel - h->pixel;
@@ -153,15 +154,27 @@ void relinearise(const JointState& prior, const Devices& devices, const Camera& 
   }
 }
 
+// a' B^-1 a, of one triangle of B: two rows, or of a rig two for each camera.
+double squared_by(const Eigen::Ref<const Eigen::MatrixXd>& B,
+                  const Eigen::Ref<const Eigen::VectorXd>& a) {
+  if (a.size() > 2) {
+    const Eigen::MatrixXd full = B.selfadjointView<Eigen::Lower>();
+    return a.dot(full.llt().solve(a));
+  }
+  const Eigen::Matrix2d full = Eigen::Matrix2d(B).selfadjointView<Eigen::Lower>();
+  const Eigen::Vector2d a_i = a;
+  return a_i.dot(full.inverse() * a_i);
+}
+
 }  // namespace
 
-void linearise(const JointState& state, const Devices& devices, const Camera& camera,
+void linearise(const JointState& state, const Devices& devices, const Rig& rig,
                std::span<const Observation> matches, Innovation& result) {
   result.matches.clear();
   result.predicted.clear();
   result.nu.clear();
   for (const Observation& match : matches) {
-    const auto h = linearised(state, devices, camera, match.track);
+    const auto h = linearised(state, devices, rig[match.camera], match.track);
     if (!h) continue;
     result.matches.push_back(match);
     result.predicted.push_back(*h);
@@ -172,8 +185,8 @@ void linearise(const JointState& state, const Devices& devices, const Camera& ca
 }
 
 std::optional<Prediction> predict_pixel(const JointState& state, const Devices& devices,
-                                        const Camera& camera, int track) {
-  const auto h = linearised(state, devices, camera, track);
+                                        const Rig& rig, int track) {
+  const auto h = linearised(state, devices, rig[0], track);
   if (!h) return std::nullopt;
   const FilterLandmark& landmark = state.landmarks.at(track);
   const StateBlock blocks[] = {JointState::kPose, state.anchors.at(landmark.anchor).block,
@@ -215,7 +228,7 @@ void keep(std::span<const Observation> accepted, Innovation& innovation) {
   std::size_t kept = 0;
   for (std::size_t i = 0; kept < accepted.size(); ++i) {
     assert(i < innovation.matches.size());
-    if (innovation.matches[i].track != accepted[kept].track) continue;
+    if (!is_same_view(innovation.matches[i], accepted[kept])) continue;
     if (kept < i) {
       innovation.matches[kept] = innovation.matches[i];
       innovation.predicted[kept] = innovation.predicted[i];
@@ -235,13 +248,13 @@ void keep(std::span<const Observation> accepted, Innovation& innovation) {
   if (P_rho.cols() > 0) innovation.P_rho.keep_columns(static_cast<Index>(kept));
 }
 
-void update(JointState& state, Devices& devices, const Camera& camera, double pixel_sigma,
-            int iterations, Innovation& innovation) {
+void update(JointState& state, Devices& devices, const Rig& rig, double pixel_sigma, int iterations,
+            Innovation& innovation) {
   if (innovation.rows() == 0) return;
   std::optional<Innovation> first;
   if (iterations > 1) first = innovation;
   for (int i = 0; i < iterations; ++i) {
-    if (i > 0) relinearise(state, devices, camera, *first, innovation);
+    if (i > 0) relinearise(state, devices, rig, *first, innovation);
     fill_HPHt(state, innovation, innovation.S);
     add_pixel_noise(innovation.matches, pixel_sigma, innovation.S);
     solve(innovation);
@@ -250,8 +263,8 @@ void update(JointState& state, Devices& devices, const Camera& camera, double pi
   devices.correct(state, (*innovation.dx).col(0));
 }
 
-void nis_given_others(Innovation& innovation, std::vector<double>& nis) {
-  nis.clear();
+void nis_given_others(Innovation& innovation, std::vector<LeaveOneOut>& result) {
+  result.clear();
   if (innovation.rows() == 0) return;
   const int size = static_cast<int>(innovation.rows());
   innovation.S_inverse.resize(size, size);
@@ -262,10 +275,12 @@ void nis_given_others(Innovation& innovation, std::vector<double>& nis) {
   int info = 0;
   dpotri_("L", &size, B.data(), &size, &info);
   if (info != 0) throw Diverged("the innovation covariance has no inverse");
-  for (Index i = 0; i < size; i += 2) {
-    const Eigen::Matrix2d own = B.block<2, 2>(i, i).selfadjointView<Eigen::Lower>();
-    const Eigen::Vector2d a_i = a.segment<2>(i);
-    nis.push_back(a_i.dot(own.inverse() * a_i));
+  const std::vector<Observation>& z = innovation.matches;
+  for (std::size_t i = 0, pixels = 0; i < z.size(); i += pixels) {
+    for (pixels = 1; i + pixels < z.size() && z[i + pixels].track == z[i].track;) ++pixels;
+    const auto at = static_cast<Index>(2 * i), n = static_cast<Index>(2 * pixels);
+    const double nis = squared_by(B.block(at, at, n, n), a.segment(at, n));
+    result.push_back({z[i].track, nis, static_cast<int>(pixels)});
   }
 }
 

@@ -37,12 +37,12 @@ struct Innovation {
 };
 
 // Linearises; matches whose landmark is not expected in view are left out (observation.h).
-void linearise(const JointState& state, const Devices& devices, const Camera& camera,
+void linearise(const JointState& state, const Devices& devices, const Rig& rig,
                std::span<const Observation> matches, Innovation& result);
 
 // Where a landmark is expected, with H P H' + N; nothing where it is not expected in view.
 std::optional<Prediction> predict_pixel(const JointState& state, const Devices& devices,
-                                        const Camera& camera, int track);
+                                        const Rig& rig, int track);
 
 // Second order, as linearise() does: P J_rho' of each static landmark, what its inverse depth has
 // in common with the state.
@@ -60,17 +60,17 @@ void keep(std::span<const Observation> accepted, Innovation& innovation);
 // x and P after the measurements. `iterations` Gauss-Newton steps on the same prior (1: EKF).
 // Afterwards S holds its factor L, nu L^-1 nu and P_Ht W = P H' L^-T. Throws Diverged when S is not
 // positive definite or the correction not finite.
-void update(JointState& state, Devices& devices, const Camera& camera, double pixel_sigma,
-            int iterations, Innovation& innovation);
+void update(JointState& state, Devices& devices, const Rig& rig, double pixel_sigma, int iterations,
+            Innovation& innovation);
 
-// After update(), and once: the NIS of each of its measurements given all the others of them, its
-// leave-one-out innovation. With a = S^-1 nu and B = S^-1, a_i' B_ii^-1 a_i (docs/filter.md, Gate):
-// what all of them share, above all the camera's motion, is not in it.
-void nis_given_others(Innovation& innovation, std::vector<double>& nis);
+// After update(), and once: the NIS of each landmark's measurements given those of all the others,
+// its leave-one-out innovation. With a = S^-1 nu and B = S^-1, a_i' B_ii^-1 a_i (docs/filter.md,
+// Gate): what all of them share, above all the camera's motion, is not in it.
+void nis_given_others(Innovation& innovation, std::vector<LeaveOneOut>& result);
 
 // update_considered.cpp. Measurements that correct only their own landmarks, free ones, one after
 // the other, the rest of the state being considered but not corrected (Schmidt's gain, 1966).
-void update_considered(JointState& state, Devices& devices, const Camera& camera,
+void update_considered(JointState& state, Devices& devices, const Rig& rig,
                        std::span<const Observation> matches, double pixel_sigma,
                        Innovation& memory);
 

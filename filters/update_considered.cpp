@@ -7,12 +7,12 @@ namespace slammot {
 
 namespace {
 
-void update_considered(JointState& state, Devices& devices, const Camera& camera,
+void update_considered(JointState& state, Devices& devices, const Rig& rig,
                        const Observation& match, double pixel_sigma, Innovation& memory) {
   constexpr int kMost = JointCovariance::kLargestBlock;
   using Gain = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::ColMajor, kMost, 2>;
   using Own = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMost, 1>;
-  linearise(state, devices, camera, {&match, 1}, memory);
+  linearise(state, devices, rig, {&match, 1}, memory);
   if (memory.rows() == 0) return;  // the others have moved it out of view
   fill_HPHt(state, memory, memory.S);
   (*memory.S).diagonal().array() += match.variance(pixel_sigma);
@@ -41,13 +41,13 @@ void update_considered(JointState& state, Devices& devices, const Camera& camera
 
 }  // namespace
 
-void update_considered(JointState& state, Devices& devices, const Camera& camera,
+void update_considered(JointState& state, Devices& devices, const Rig& rig,
                        std::span<const Observation> matches, double pixel_sigma,
                        Innovation& memory) {
   if (matches.empty()) return;
   if (devices.gauge) devices.gauge->prepare(state);
   for (const Observation& match : matches) {
-    update_considered(state, devices, camera, match, pixel_sigma, memory);
+    update_considered(state, devices, rig, match, pixel_sigma, memory);
   }
 }
 

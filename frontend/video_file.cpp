@@ -30,7 +30,7 @@ Sequence read_video(const std::filesystem::path& file, std::optional<double> rat
     if (i > 0 && step_fault(sequence.frames.back().timestamp, time)) {
       throw InputError(file, 0, "the times of the film's pictures do not increase: --rate HZ");
     }
-    sequence.frames.push_back({i, time, {}});
+    sequence.frames.push_back({i, time, {}, {}});
   }
   if (sequence.frames.empty()) throw InputError(file, 0, "the film has no picture");
   return sequence;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <span>
 #include <vector>
 
 #include "models/camera_state.h"
@@ -14,6 +15,12 @@ struct Observation {
   int track = 0;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   double relative_sigma = 1.0;  // of each coordinate, in units of the sequence's pixel_sigma
+  int camera = 0;               // of the rig (models/rig.h)
+  // Along the optical axis [m], measured by something else than images; sigma 0: not measured. Used
+  // where the landmark is initialised.
+  double depth = 0.0, depth_sigma = 0.0;
+
+  bool has_depth() const { return depth_sigma > 0.0; }
 
   // Of each coordinate [px^2].
   double variance(double pixel_sigma) const {
@@ -21,10 +28,25 @@ struct Observation {
   }
 };
 
+inline bool is_same_view(const Observation& a, const Observation& b) {
+  return a.track == b.track && a.camera == b.camera;
+}
+
+// Each once, of observations by track.
+inline void tracks_of(std::span<const Observation> z, std::vector<int>& tracks) {
+  tracks.clear();
+  for (const Observation& one : z) {
+    if (tracks.empty() || tracks.back() != one.track) tracks.push_back(one.track);
+  }
+}
+
 struct Frame {
   int index = 0;           // its number in the sequence, also where frames were left out
   double timestamp = 0.0;  // [s], strictly increasing
   std::vector<Observation> observations;  // each track at most once, in increasing order
+  // Of the other cameras of a rig: each track at most once a camera, by track and camera. A track
+  // that camera 0 does not measure makes no landmark.
+  std::vector<Observation> other_views;
 };
 
 // A landmark known beforehand; it fixes the scale. Position in W [m], one sigma for each axis [m].

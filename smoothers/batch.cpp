@@ -26,7 +26,7 @@ class Batch final : public Estimator {
   Batch(const Setup& setup, const ModelOptions& models, const WindowOptions& front)
       : setup_(setup),
         functions_(find_landmark(models.landmark, models.point)),
-        graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_,
+        graph_({setup.rig(), setup.pixel_sigma, setup.prior, &functions_,
                 /*noise_tells_scale=*/true},  // as in the cost that Ceres minimises
                false) {
     if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);

@@ -23,9 +23,8 @@ std::vector<double> list_if_any(YamlMap& map, const std::string& key) {
   return map.has(key) ? map.list(key) : std::vector<double>{};
 }
 
-}  // namespace
-
-Camera read_camera(YamlMap map) {
+// As the camera of sequence.yaml; the map may hold more.
+Camera take_camera(YamlMap& map) {
   Camera camera;
   const std::string model = map.text("model");
   camera.width = map.positive_integer("width");
@@ -35,8 +34,74 @@ Camera read_camera(YamlMap map) {
   camera.cx = map.real("cx");
   camera.cy = map.real("cy");
   camera = with_lens(map, "model", camera, model, list_if_any(map, "distortion"));
+  return camera;
+}
+
+struct Pose {
+  Eigen::Vector3d position;
+  Eigen::Quaterniond orientation;
+};
+
+Pose read_pose(YamlMap map) {
+  Pose pose{map.vector<3>("position"), Eigen::Quaterniond(map.vector<4>("quaternion"))};
+  if (const Fault fault = quaternion_fault(pose.orientation)) {
+    map.refuse(map.take("quaternion"), *fault);
+  }
+  pose.orientation.normalize();
+  map.finish();
+  return pose;
+}
+
+MountedCamera first_camera(YamlMap& map, const Camera& camera) {
+  constexpr double kRounding = 1e-9;
+  if (!map.has("T_C0_C")) return camera;
+  const Pose pose = read_pose(map.map("T_C0_C"));
+  const double turned = pose.orientation.angularDistance(Eigen::Quaterniond::Identity());
+  if (pose.position.norm() > kRounding || turned > kRounding) {
+    map.refuse(map.take("T_C0_C"), "'T_C0_C' of camera 0 is the identity");
+  }
+  return camera;
+}
+
+MountedCamera mounted_camera(YamlMap& map, const Camera& camera) {
+  const Pose pose = read_pose(map.map("T_C0_C"));
+  return {camera, pose.orientation, pose.position};
+}
+
+// What is wrong of the newest beside the others.
+void refuse_rig(const YamlMap& map, const YAML::Node& at, const std::vector<MountedCamera>& rig) {
+  constexpr double kLeastBaseline = 1e-4;  // [m]
+  const MountedCamera& newest = rig.back();
+  for (std::size_t i = 0; i + 1 < rig.size(); ++i) {
+    if ((newest.t - rig[i].t).norm() < kLeastBaseline) {
+      map.refuse(at, fmt::format("cameras {} and {} stand at the same place: they measure no depth",
+                                 i, rig.size() - 1));
+    }
+  }
+  if (newest.lens.width != rig[0].lens.width || newest.lens.height != rig[0].lens.height) {
+    map.refuse(at, fmt::format("camera {} has {}x{} pixels, camera 0 {}x{}", rig.size() - 1,
+                               newest.lens.width, newest.lens.height, rig[0].lens.width,
+                               rig[0].lens.height));
+  }
+}
+
+}  // namespace
+
+Camera read_camera(YamlMap map) {
+  const Camera camera = take_camera(map);
   map.finish();
   return camera;
+}
+
+std::vector<MountedCamera> read_rig(YamlMap& map, const std::string& key) {
+  std::vector<MountedCamera> rig;
+  for (YamlMap& entry : map.maps(key)) {
+    const Camera camera = take_camera(entry);
+    rig.push_back(rig.empty() ? first_camera(entry, camera) : mounted_camera(entry, camera));
+    entry.finish();
+    refuse_rig(map, map.take(key)[rig.size() - 1], rig);
+  }
+  return rig;
 }
 
 // A model that is no pinhole has its own parameters before fx, fy, cx and cy.

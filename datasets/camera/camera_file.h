@@ -2,12 +2,16 @@
 #pragma once
 
 #include "datasets/text/yaml_map.h"
-#include "models/camera.h"
+#include "models/rig.h"
 
 namespace slammot {
 
 // slammot's own, as sequence.yaml has it under `camera`. An unknown key is an error.
 Camera read_camera(YamlMap map);
+
+// The cameras of a rig, as sequence.yaml has them under `cameras`: each as above, and but for the
+// first with `T_C0_C: {position, quaternion}`. Of one size, and no two at one place.
+std::vector<MountedCamera> read_rig(YamlMap& map, const std::string& key);
 
 // `resolution`, `intrinsics`, `camera_model`, `distortion_model` and its coefficients: a camera of
 // kalibr's, and EuRoC's sensor.yaml. Other keys are left alone, here and in what follows.

@@ -20,7 +20,9 @@ inline constexpr std::string_view kFileNames[] = {kSettings,  kFrames, kObservat
 inline constexpr std::string_view kFramesHeader = "frame,timestamp";
 inline constexpr std::string_view kFramesWithImagesHeader = "frame,timestamp,image";
 inline constexpr std::string_view kObservationsHeader = "frame,track,u,v";
-inline constexpr std::string_view kObservationsWithSigmaHeader = "frame,track,u,v,relative_sigma";
+inline constexpr std::string_view kSigmaColumn = "relative_sigma";
+inline constexpr std::string_view kCameraColumn = "camera";
+inline constexpr std::string_view kDepthColumns = "depth,depth_sigma";
 inline constexpr std::string_view kLandmarksHeader = "track,frame,class,x,y,z,vx,vy,vz";
 inline constexpr std::string_view kKnownHeader = "track,x,y,z,sigma";
 

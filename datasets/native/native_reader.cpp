@@ -87,7 +87,8 @@ Sequence read_native(const std::filesystem::path& path) {
   Folder folder(path);
   Sequence sequence = settings_and_frames(folder, path);
   const Source observations = observations_of(folder, sequence);
-  read_observations(observations.file, observations.text, sequence.camera, sequence.frames);
+  read_observations(observations.file, observations.text, {sequence.camera, sequence.other_cameras},
+                    sequence.frames);
   read_truth(folder, sequence);
   if (const auto known = folder.optional(native::kKnown)) {
     sequence.known = read_known(known->file, known->text);

@@ -47,7 +47,14 @@ void read_settings(const std::filesystem::path& file, const std::string& text, S
   if (const std::string fault = folder_name_fault(sequence.name); !fault.empty()) {
     map.refuse(map.take("name"), "'name' " + fault);  // of the folder of a run
   }
-  sequence.camera = read_camera(map.map("camera"));
+  if (map.has("cameras")) {
+    if (map.has("camera")) map.refuse(map.take("camera"), "'camera' stands beside 'cameras'");
+    sequence.other_cameras = read_rig(map, "cameras");
+    sequence.camera = sequence.other_cameras.front().lens;
+    sequence.other_cameras.erase(sequence.other_cameras.begin());
+  } else {
+    sequence.camera = read_camera(map.map("camera"));
+  }
   sequence.pixel_sigma = map.positive("pixel_sigma");
   if (map.has("motion")) sequence.motion = read_motion(map.map("motion"));
   if (map.has("prior")) sequence.prior = read_prior(map.map("prior"));

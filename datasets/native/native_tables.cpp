@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 #include "datasets/native/native_format.h"
 #include "datasets/native/native_settings.h"
@@ -50,27 +51,62 @@ struct ObservationRow {
   int frame;
   Observation observation;
   int line;
+
+  auto key() const { return std::tuple(frame, observation.track, observation.camera); }
 };
 
-// Frame and track as one number that sorts by frame, then track.
-std::int64_t key(const ObservationRow& row) {
-  return (std::int64_t{row.frame} << 32) + row.observation.track;
+// Where the optional columns begin; 0: they are not there.
+struct ObservationColumns {
+  size_t count, sigma, camera, depth;
+};
+
+ObservationColumns observation_columns(TextTable& table) {
+  constexpr std::string_view optional[] = {native::kSigmaColumn, native::kCameraColumn,
+                                           native::kDepthColumns};
+  const std::vector<size_t> at = table.expect_header(native::kObservationsHeader, optional);
+  const size_t count = 4 + (at[0] > 0 ? 1 : 0) + (at[1] > 0 ? 1 : 0) + (at[2] > 0 ? 2 : 0);
+  return {count, at[0], at[1], at[2]};
 }
 
-std::vector<ObservationRow> observation_rows(TextTable& table, size_t frames,
-                                             const Camera& camera) {
-  constexpr std::string_view headers[] = {native::kObservationsHeader,
-                                          native::kObservationsWithSigmaHeader};
-  const size_t columns = 4 + table.expect_header(headers);
-  std::vector<ObservationRow> rows;
-  while (table.next_comma_row(columns)) {
-    const int frame = existing_frame(table, 0, frames);
-    const Eigen::Vector2d pixel(table.real(2), table.real(3));
-    table.refuse_if(pixel_fault(camera, pixel));
-    const double relative_sigma = columns == 5 ? table.positive(4) : 1.0;
-    rows.push_back({frame, {table.count(1), pixel, relative_sigma}, table.line()});
+int existing_camera(const TextTable& table, size_t i, const Rig& rig) {
+  const int camera = table.count(i);
+  if (camera >= rig.size()) {
+    table.refuse(
+        fmt::format("camera {} does not exist (sequence.yaml ends at {})", camera, rig.size() - 1));
   }
-  const auto before = [](const auto& a, const auto& b) { return key(a) < key(b); };
+  return camera;
+}
+
+// Both fields are empty where nothing is measured.
+void read_depth(const TextTable& table, size_t i, Observation& z) {
+  constexpr double kNearest = 0.05, kFarthest = 1000.0;  // [m]
+  if (table.field(i).empty() && table.field(i + 1).empty()) return;
+  z.depth = table.real(i);
+  z.depth_sigma = table.real(i + 1);
+  if (z.camera > 0) table.refuse("a depth is that of camera 0");
+  if (!(z.depth >= kNearest && z.depth <= kFarthest)) {
+    table.refuse(fmt::format("a depth is {} to {} m, not {}", kNearest, kFarthest, z.depth));
+  }
+  if (!(z.depth_sigma > 0.0)) {
+    table.refuse(fmt::format("the sigma of a depth is above zero, not {}", z.depth_sigma));
+  }
+}
+
+std::vector<ObservationRow> observation_rows(TextTable& table, size_t frames, const Rig& rig) {
+  const ObservationColumns columns = observation_columns(table);
+  std::vector<ObservationRow> rows;
+  while (table.next_comma_row(columns.count)) {
+    ObservationRow row{existing_frame(table, 0, frames), {}, table.line()};
+    Observation& z = row.observation;
+    z.track = table.count(1);
+    z.pixel = {table.real(2), table.real(3)};
+    if (columns.sigma > 0) z.relative_sigma = table.positive(columns.sigma);
+    if (columns.camera > 0) z.camera = existing_camera(table, columns.camera, rig);
+    if (columns.depth > 0) read_depth(table, columns.depth, z);
+    table.refuse_if(pixel_fault(rig[z.camera].lens, z.pixel));
+    rows.push_back(row);
+  }
+  const auto before = [](const auto& a, const auto& b) { return a.key() < b.key(); };
   if (!std::is_sorted(rows.begin(), rows.end(), before)) {
     std::stable_sort(rows.begin(), rows.end(), before);
   }
@@ -79,17 +115,20 @@ std::vector<ObservationRow> observation_rows(TextTable& table, size_t frames,
 
 }  // namespace
 
-void read_observations(const std::filesystem::path& file, std::string_view text,
-                       const Camera& camera, std::vector<Frame>& frames) {
+void read_observations(const std::filesystem::path& file, std::string_view text, const Rig& rig,
+                       std::vector<Frame>& frames) {
   TextTable table(file, text);
-  const std::vector<ObservationRow> rows = observation_rows(table, frames.size(), camera);
+  const std::vector<ObservationRow> rows = observation_rows(table, frames.size(), rig);
   for (size_t i = 0; i < rows.size(); ++i) {
-    if (i > 0 && key(rows[i]) == key(rows[i - 1])) {
+    const Observation& z = rows[i].observation;
+    if (i > 0 && rows[i].key() == rows[i - 1].key()) {
+      const std::string by = z.camera > 0 ? fmt::format(" of camera {}", z.camera) : "";
       throw InputError(file, rows[i].line,
-                       fmt::format("track {} stands twice in frame {} (first in line {})",
-                                   rows[i].observation.track, rows[i].frame, rows[i - 1].line));
+                       fmt::format("track {} stands twice in frame {}{} (first in line {})",
+                                   z.track, rows[i].frame, by, rows[i - 1].line));
     }
-    frames[static_cast<size_t>(rows[i].frame)].observations.push_back(rows[i].observation);
+    Frame& frame = frames[static_cast<size_t>(rows[i].frame)];
+    (z.camera == 0 ? frame.observations : frame.other_views).push_back(z);
   }
 }
 

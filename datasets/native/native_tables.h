@@ -10,8 +10,8 @@ namespace slammot {
 void read_frames(const std::filesystem::path& file, std::string_view text, Sequence& sequence);
 
 // observations.csv, in any order: fills the observations of the frames.
-void read_observations(const std::filesystem::path& file, std::string_view text,
-                       const Camera& camera, std::vector<Frame>& frames);
+void read_observations(const std::filesystem::path& file, std::string_view text, const Rig& rig,
+                       std::vector<Frame>& frames);
 
 // groundtruth.tum.
 std::vector<TimedPose> read_poses(const std::filesystem::path& file, std::string_view text);

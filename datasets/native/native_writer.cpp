@@ -46,13 +46,28 @@ std::string quoted(const std::string& name) {
   return text + '"';
 }
 
+void put_camera(Text& text, const Camera& c) {
+  put(text, "{{model: {}, width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}", lens_name(c.lens),
+      c.width, c.height, c.fx, c.fy, c.cx, c.cy);
+  put(text, ", distortion: [{}]", joined(lens_distortion(c.lens), ", "));
+}
+
+void put_cameras(Text& text, const Sequence& s) {
+  put(text, "{}", s.other_cameras.empty() ? "camera: " : "cameras:\n  - ");
+  put_camera(text, s.camera);
+  put(text, "}}\n");
+  for (const MountedCamera& other : s.other_cameras) {
+    put(text, "  - ");
+    put_camera(text, other.lens);
+    put(text, ", T_C0_C: {{position: [{}], quaternion: [{}]}}}}\n", joined(other.t, ", "),
+        joined(other.R, ", "));
+  }
+}
+
 Text settings_text(const Sequence& s) {
   Text text;
   put(text, "format: {}\nname: {}\n", native::kFormat, quoted(s.name));
-  const Camera& c = s.camera;
-  put(text, "camera: {{model: {}, width: {}, height: {}, fx: {}, fy: {}, cx: {}, cy: {}",
-      lens_name(c.lens), c.width, c.height, c.fx, c.fy, c.cx, c.cy);
-  put(text, ", distortion: [{}]}}\n", joined(lens_distortion(c.lens), ", "));
+  put_cameras(text, s);
   put(text, "pixel_sigma: {}\n", s.pixel_sigma);
   if (s.points) put(text, "points: {}\n", *s.points);
   if (s.motion) {
@@ -85,18 +100,34 @@ Text frames_text(const Sequence& s) {
   return text;
 }
 
-Text observations_text(const Sequence& s) {
-  Text text;
-  const bool differ = std::ranges::any_of(s.frames, [](const Frame& frame) {
-    return std::ranges::any_of(frame.observations,
-                               [](const Observation& z) { return z.relative_sigma != 1.0; });
+// Whether any measurement has something that needs a column of its own.
+bool any_of(const Sequence& s, bool (*has)(const Observation&)) {
+  return std::ranges::any_of(s.frames, [has](const Frame& frame) {
+    return std::ranges::any_of(frame.observations, has) ||
+           std::ranges::any_of(frame.other_views, has);
   });
-  put(text, "{}\n", differ ? native::kObservationsWithSigmaHeader : native::kObservationsHeader);
+}
+
+Text observations_text(const Sequence& s) {
+  const bool differ = any_of(s, [](const Observation& z) { return z.relative_sigma != 1.0; });
+  const bool are_many = !s.other_cameras.empty();
+  const bool have_depths = any_of(s, [](const Observation& z) { return z.has_depth(); });
+  Text text;
+  put(text, "{}", native::kObservationsHeader);
+  if (differ) put(text, ",{}", native::kSigmaColumn);
+  if (are_many) put(text, ",{}", native::kCameraColumn);
+  if (have_depths) put(text, ",{}", native::kDepthColumns);
+  put(text, "\n");
   for (const Frame& frame : s.frames) {
-    for (const Observation& z : frame.observations) {
-      put(text, "{},{},{},{}", frame.index, z.track, z.pixel.x(), z.pixel.y());
-      if (differ) put(text, ",{}", z.relative_sigma);
-      put(text, "\n");
+    for (const auto* of : {&frame.observations, &frame.other_views}) {
+      for (const Observation& z : *of) {
+        put(text, "{},{},{},{}", frame.index, z.track, z.pixel.x(), z.pixel.y());
+        if (differ) put(text, ",{}", z.relative_sigma);
+        if (are_many) put(text, ",{}", z.camera);
+        if (have_depths && z.has_depth()) put(text, ",{},{}", z.depth, z.depth_sigma);
+        if (have_depths && !z.has_depth()) put(text, ",,");
+        put(text, "\n");
+      }
     }
   }
   return text;
@@ -175,8 +206,9 @@ void require_readable(const std::filesystem::path& folder, const Texts& texts,
   };
   using File = const std::filesystem::path&;
   using Content = const std::string&;
-  visit(native::kObservations,
-        [&](File file, Content text) { read_observations(file, text, read.camera, read.frames); });
+  visit(native::kObservations, [&](File file, Content text) {
+    read_observations(file, text, {read.camera, read.other_cameras}, read.frames);
+  });
   visit(native::kGroundTruth, [](File file, Content text) { read_poses(file, text); });
   visit(native::kLandmarks,
         [&](File file, Content text) { read_landmarks(file, text, read.frames.size()); });

@@ -48,7 +48,7 @@ void read_cameras(TextTable& table, Sequence& sequence) {
     if (!table.next_blank_row(8)) table.refuse(fmt::format("frame {} of {} is missing", i, count));
     if (table.count(0) != i) table.refuse(fmt::format("frame {} must stand here", i));
     poses.push_back(read_pose(table));
-    sequence.frames.push_back({i, i / kRate, {}});
+    sequence.frames.push_back({i, i / kRate, {}, {}});
   }
   sequence.truth = true_cameras(poses, sequence.frames);
 }

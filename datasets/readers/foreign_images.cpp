@@ -20,7 +20,7 @@ void add_image(const TextTable& table, double timestamp, std::string image, Sequ
   table.refuse_if(sequence.frames.empty()
                       ? time_fault(timestamp)
                       : step_fault(sequence.frames.back().timestamp, timestamp));
-  sequence.frames.push_back({static_cast<int>(sequence.frames.size()), timestamp, {}});
+  sequence.frames.push_back({static_cast<int>(sequence.frames.size()), timestamp, {}, {}});
   sequence.images.push_back(std::move(image));
 }
 

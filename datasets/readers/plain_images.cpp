@@ -54,7 +54,7 @@ Sequence read_plain_images(const std::filesystem::path& folder, double rate) {
   Sequence sequence = foreign_sequence(folder);
   sequence.images = images_of(folder);
   for (size_t i = 0; i < sequence.images.size(); ++i) {
-    sequence.frames.push_back({static_cast<int>(i), static_cast<double>(i) / rate, {}});
+    sequence.frames.push_back({static_cast<int>(i), static_cast<double>(i) / rate, {}, {}});
   }
   require_frames(folder, sequence);
   return sequence;

@@ -25,11 +25,14 @@ double reach(const Camera& camera) {
 
 std::optional<std::string> leave_out_rayless(Sequence& sequence) {
   if (std::holds_alternative<PinholeLens>(sequence.camera.lens)) return std::nullopt;
+  const Rig rig(sequence.camera, sequence.other_cameras);
   std::size_t left_out = 0, in_frames = 0;
   for (Frame& frame : sequence.frames) {
     const std::size_t gone = std::erase_if(frame.observations, [&](const Observation& z) {
       return !sequence.camera.unproject(z.pixel);
     });
+    std::erase_if(frame.other_views,
+                  [&](const Observation& z) { return !rig[z.camera].lens.unproject(z.pixel); });
     left_out += gone;
     in_frames += gone > 0 ? 1 : 0;
   }

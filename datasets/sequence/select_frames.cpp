@@ -25,6 +25,13 @@ void keep(std::vector<T>& values, const std::vector<size_t>& chosen) {
 
 }  // namespace
 
+bool measures_scale(const Sequence& sequence) {
+  return std::ranges::any_of(sequence.frames, [](const Frame& frame) {
+    return !frame.other_views.empty() ||
+           std::ranges::any_of(frame.observations, &Observation::has_depth);
+  });
+}
+
 Sequence select_frames(Sequence sequence, int first, int last, int step) {
   if (step < 1) throw std::invalid_argument("the frame step must be at least 1");
   const size_t count = sequence.frames.size();

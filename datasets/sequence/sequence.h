@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "datasets/text/input_error.h"
-#include "models/camera.h"
 #include "models/measurement.h"
+#include "models/rig.h"
 #include "models/truth.h"
 
 namespace slammot {
@@ -23,6 +23,7 @@ struct StatedMotion {
 struct Sequence {
   std::string name;
   Camera camera;
+  std::vector<MountedCamera> other_cameras;  // of a rig
   bool camera_assumed = false;  // nobody states it: a reader of images took a usual one
   double pixel_sigma = 1.0;     // [px]
   std::optional<StatedMotion> motion;
@@ -41,6 +42,9 @@ struct Sequence {
   std::filesystem::path folder;
   std::string sha256;  // of the files read, in the order of FORMATS
 };
+
+// Whether another camera, or depths, say how large the world is.
+bool measures_scale(const Sequence& sequence);
 
 // Every `step`-th frame from `first` to `last` (indices in `frames`, last included, negative: to
 // the end), with Frame::index as it was. What is stated of the camera before the first frame is

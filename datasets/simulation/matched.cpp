@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "datasets/simulation/random/random_stream.h"
+#include "datasets/simulation/scene/second_view.h"
 #include "models/camera_motion.h"
 
 namespace slammot {
@@ -93,7 +94,7 @@ class MatchedScene {
 
   void add_frame(const CameraState& camera) {
     const int index = static_cast<int>(sequence_.frames.size());
-    sequence_.frames.push_back({index, options_.recording.time(index), {}});
+    sequence_.frames.push_back({index, options_.recording.time(index), {}, {}});
     sequence_.truth.emplace_back(camera);
     if (index == 0) {
       add_known();
@@ -195,7 +196,10 @@ Sequence simulate_matched(const MatchedOptions& options, std::uint64_t seed) {
   if (options.impulse > 1) throw std::invalid_argument("impulse: must be 0 or 1");
   MatchedScene scene(options, seed);
   for (const CameraState& camera : draw_trajectory(options, seed)) scene.add_frame(camera);
-  return std::move(scene).result();
+  Sequence sequence = std::move(scene).result();
+  add_second_view(options.recording, seed, sequence);
+  add_depths(options.recording, seed, sequence);
+  return sequence;
 }
 
 }  // namespace slammot

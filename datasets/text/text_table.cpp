@@ -137,6 +137,31 @@ size_t TextTable::expect_header(std::span<const std::string_view> headers) {
   refuse(fmt::format("the first line must be '{}'", fmt::join(headers, "' or '")));
 }
 
+std::vector<size_t> TextTable::expect_header(std::string_view first,
+                                             std::span<const std::string_view> optional) {
+  const auto fields_of = [](std::string_view text) {
+    return static_cast<size_t>(std::ranges::count(text, ',')) + 1;
+  };
+  std::vector<size_t> places;
+  std::string_view rest = next_line() ? current_ : std::string_view();
+  bool is_known = rest.starts_with(first);
+  if (is_known) rest.remove_prefix(first.size());
+  size_t next = fields_of(first);
+  for (const std::string_view column : optional) {
+    const std::string with_comma = fmt::format(",{}", column);
+    const bool is_here = is_known && rest.starts_with(with_comma) &&
+                         (rest.size() == with_comma.size() || rest[with_comma.size()] == ',');
+    places.push_back(is_here ? next : 0);
+    if (!is_here) continue;
+    rest.remove_prefix(with_comma.size());
+    next += fields_of(column);
+  }
+  if (is_known && rest.empty()) return places;
+  line_ = 1;
+  refuse(fmt::format("the first line must be '{}', and after it what there is of ',{}'", first,
+                     fmt::join(optional, "' ',")));
+}
+
 double TextTable::number(size_t i) const {
   const auto value = parse_number<double>(fields_[i]);
   if (!value) {

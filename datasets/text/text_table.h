@@ -41,6 +41,10 @@ class TextTable {
   void pass_line() { next_line(); }
   // The next line must be one of these; returns which.
   size_t expect_header(std::span<const std::string_view> headers);
+  // The next line must be `first`, and after it some of `optional`, in their order; returns where
+  // the fields of each begin, or 0. An optional one may be of several fields.
+  std::vector<size_t> expect_header(std::string_view first,
+                                    std::span<const std::string_view> optional);
 
   size_t fields() const { return fields_.size(); }
   std::string_view field(size_t i) const { return fields_[i]; }

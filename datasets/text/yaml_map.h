@@ -37,6 +37,19 @@ class YamlMap {
 
   YamlMap map(const std::string& key) { return {file_, take(key), fmt::format("'{}'", key)}; }
 
+  // The maps of a list.
+  std::vector<YamlMap> maps(const std::string& key) {
+    const YAML::Node values = take(key);
+    if (!values.IsSequence() || values.size() == 0) {
+      refuse(values, fmt::format("'{}' must be a list of maps", key));
+    }
+    std::vector<YamlMap> result;
+    for (const auto& value : values) {
+      result.emplace_back(file_, value, fmt::format("entry {} of '{}'", result.size(), key));
+    }
+    return result;
+  }
+
   std::string text(const std::string& key) {
     const YAML::Node value = take(key);
     if (!value.IsScalar()) refuse(value, fmt::format("'{}' must be one value", key));

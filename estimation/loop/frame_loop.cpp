@@ -55,18 +55,18 @@ FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
 
   // Classify what was measured.
   stages.begin("classify");
-  manager_.record(frame.index, accepted_, unused_);
-  manager_.classify(frame.index, accepted_, *belief_);
+  manager_.record(frame.index, used_, unused_);
+  manager_.classify(frame.index, used_, *belief_);
 
   // Collapse what is static now; undo static labels that are rejected.
   stages.begin("collapse");
   manager_.collapse(manager_.now_static(), *belief_);
-  manager_.undo_labels(frame.index, in_view_, *belief_);
+  manager_.undo_labels(frame.index, landmarks_in_view_, *belief_);
 
   // Prune landmarks and initialise new ones.
   stages.begin("manage");
   manager_.prune(frame.index, *belief_, report);
-  manager_.initialise_new(frame, *belief_, report);
+  manager_.initialise_new(frame, static_cast<int>(used_.size()), *belief_, report);
   belief_->finish();
   count_what_is_left(report);
   return report;
@@ -80,7 +80,7 @@ void FrameLoop::look_at_marginals(const CameraEstimate& before, double dt) {
     manager_.note_innovations(given_others_);
     manager_.note_innovations(explained_by_motion_);
   }
-  manager_.look_at_depths(accepted_, *belief_);
+  manager_.look_at_depths(used_, *belief_);
 }
 
 // Of what the frame leaves behind, like the size of the state.

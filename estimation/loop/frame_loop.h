@@ -48,7 +48,9 @@ class FrameLoop final : public Estimator {
 
   double time_since_last(const Frame& frame);
   void gate(const Frame& frame, double dt, FrameReport& report);
+  void find_measured(const Frame& frame);
   void split_by_gate(double dt, FrameReport& report);
+  void note_unused();
   void follow_jolt(bool may_widen);
   void scale_step(double factor);
   Agreement agreement();
@@ -72,6 +74,8 @@ class FrameLoop final : public Estimator {
 
   // Of the frame in hand; kept for their memory.
   std::vector<Observation> measured_, in_view_, not_in_view_, accepted_;
+  // The first of each landmark, of those accepted and of those in view.
+  std::vector<Observation> used_, landmarks_in_view_;
   std::vector<int> considered_;
   FrameInnovation innovation_;
   std::vector<LeaveOneOut> explained_by_motion_;  // rejected, but would pass had they moved

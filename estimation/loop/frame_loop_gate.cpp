@@ -7,11 +7,31 @@
 
 namespace slammot {
 
-void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
+namespace {
+
+auto view_of(const Observation& z) { return std::pair(z.track, z.camera); }
+
+// Of observations by track, the first of each.
+void first_of_each(std::span<const Observation> all, std::vector<Observation>& result) {
+  result.clear();
+  std::ranges::unique_copy(all, std::back_inserter(result), {}, &Observation::track);
+}
+
+}  // namespace
+
+// Of all cameras, by track and camera.
+void FrameLoop::find_measured(const Frame& frame) {
   measured_.clear();
-  for (const Observation& z : frame.observations) {
-    if (manager_.holds(z.track)) measured_.push_back(z);
+  for (const auto* of : {&frame.observations, &frame.other_views}) {
+    for (const Observation& z : *of) {
+      if (manager_.holds(z.track)) measured_.push_back(z);
+    }
   }
+  if (!frame.other_views.empty()) std::ranges::sort(measured_, {}, view_of);
+}
+
+void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
+  find_measured(frame);
   belief_->innovations(measured_, innovation_);
   gate_.judge(innovation_);
   // What has entered at this frame's camera would not move with it.
@@ -33,21 +53,43 @@ void FrameLoop::split_by_gate(double dt, FrameReport& report) {
       report.nis_sum += gate_.nis(i);
       continue;
     }
-    unused_.push_back(z.track);
     refused_by_others_ += gate_.accepts_alone(i) ? 1 : 0;
     const double moved = moved_px(manager_.records().at(z.track), setup_.camera, dt);
     if (!gate_.accepts_moved(innovation_, i, moved)) continue;
-    explained_by_motion_.push_back(
-        {z.track, gate_.accepts_alone(i) ? gate_.nis_given_others(i) : gate_.nis(i)});
+    const double nis = gate_.accepts_alone(i) ? gate_.nis_given_others(i) : gate_.nis(i);
+    explained_by_motion_.push_back({z.track, nis});
   }
   report.joint_nis = gate_.joint_nis();
   report.accepted = static_cast<int>(accepted_.size());
-  report.rejected = static_cast<int>(unused_.size());
+  report.rejected = static_cast<int>(in_view_.size() - accepted_.size());
   report.out_of_view = static_cast<int>(measured_.size() - in_view_.size());
-  std::ranges::set_difference(measured_, in_view_, std::back_inserter(not_in_view_), {},
-                              &Observation::track, &Observation::track);
-  for (const Observation& z : not_in_view_) unused_.push_back(z.track);
-  not_in_view_.clear();
+  note_unused();
+}
+
+// Landmarks of which no measurement was accepted; those that were rejected first.
+void FrameLoop::note_unused() {
+  first_of_each(accepted_, used_);
+  first_of_each(in_view_, landmarks_in_view_);
+  first_of_each(measured_, not_in_view_);
+  const auto without = [this](const std::vector<Observation>& all, const auto& used) {
+    for (const Observation& z : all) {
+      if (!std::ranges::binary_search(used, z.track, {}, &Observation::track)) {
+        unused_.push_back(z.track);
+      }
+    }
+  };
+  without(landmarks_in_view_, used_);
+  without(not_in_view_, landmarks_in_view_);
+  // What one camera of a rig sees and another does not is a wrong match.
+  std::erase_if(explained_by_motion_, [this](const LeaveOneOut& z) {
+    return std::ranges::binary_search(used_, z.track, {}, &Observation::track);
+  });
+  const auto is_again = [](const LeaveOneOut& a, const LeaveOneOut& b) {
+    return a.track == b.track;
+  };
+  explained_by_motion_.erase(
+      std::unique(explained_by_motion_.begin(), explained_by_motion_.end(), is_again),
+      explained_by_motion_.end());
 }
 
 // The camera's step may have been noisier than was predicted (camera_noise.h).

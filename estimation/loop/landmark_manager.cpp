@@ -13,9 +13,10 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
     : setup_(setup),
       models_(models),
       functions_(find_landmark(models.landmark, models.point)),
+      rig_(setup.rig()),
       classifier_(
           make_classifier(classifier_for(functions_, models.classifier), setup.true_labels)),
-      depth_prior_(learns_depths(models.depth_prior, setup.initial, !setup.known.empty()),
+      depth_prior_(learns_depths(models.depth_prior, setup.initial, setup.knows_scale()),
                    setup.prior),
       truth_(std::move(truth_for_view)),
       remembers_(remembers),
@@ -61,7 +62,7 @@ void LandmarkManager::record(int frame, std::span<const Observation> accepted,
 
 void LandmarkManager::note_innovations(std::span<const LeaveOneOut> innovations) {
   for (const LeaveOneOut& z : innovations) {
-    note_innovation(records_.at(z.track), z.nis, models_.labels);
+    note_innovation(records_.at(z.track), z.nis, models_.labels, z.pixels);
   }
 }
 
@@ -221,24 +222,43 @@ void LandmarkManager::prune(int frame, Belief& belief, FrameReport& report) {
   remove(belief, report);
 }
 
+// What this frame says of a landmark that enters with it, and of its motion with `prior`.
+FirstSight LandmarkManager::first_sight_of(const Frame& frame, const Observation& z,
+                                           LandmarkPrior& prior) const {
+  FirstSight seen = first_pixel(z, prior);
+  const auto depth = z.has_depth() ? prior_of_depth(setup_.camera, z) : std::nullopt;
+  const auto others = std::ranges::equal_range(frame.other_views, z.track, {}, &Observation::track);
+  if (!depth && others.empty()) return seen;
+  seen = first_sight(rig_, setup_.pixel_sigma, z, {others.begin(), others.end()},
+                     depth.value_or(seen.prior), pixel_threshold(models_.gate.given_others));
+  if (!seen.has_own_depth) return seen;
+  const bool is_pair = !seen.others.empty();
+  prior.inverse_depth = is_pair ? seen.inverse_depth : seen.prior.inverse_depth;
+  prior.inverse_depth_sigma = is_pair ? std::sqrt(seen.covariance(2, 2)) : seen.prior.sigma;
+  prior.mean_sigma = 0.0;
+  return seen;
+}
+
 // Thesis 2.1.3: undelayed, at the first pixel.
-void LandmarkManager::initialise_new(const Frame& frame, Belief& belief, FrameReport& report) {
+void LandmarkManager::initialise_new(const Frame& frame, int visible, Belief& belief,
+                                     FrameReport& report) {
   unmatched_.clear();
   for (const Observation& z : frame.observations) {
     if (!holds(z.track)) unmatched_.push_back(z);
   }
-  const std::size_t wanted = births_wanted(report.accepted, models_.policy);
+  const std::size_t wanted = births_wanted(visible, models_.policy);
   if (unmatched_.size() > wanted) unmatched_.resize(wanted);
   make_room(records_, unmatched_.size(), models_.policy, tracks_);
   remove(belief, report);
   const auto most = static_cast<std::size_t>(models_.policy.max_landmarks);
-  const LandmarkPrior& prior = depth_prior_.of_new();
   tracks_.clear();
   for (const Observation& z : unmatched_) {
     if (records_.size() >= most) break;
+    LandmarkPrior prior = depth_prior_.of_new();
+    const FirstSight seen = first_sight_of(frame, z, prior);
     TrackRecord record = record_at_birth(z.track, frame.index, frame.index == first_frame_,
                                          classifier_->at_birth(z.track), births_, prior);
-    if (!belief.add(z, prior, !rests(record) || record.is_held)) continue;
+    if (!belief.add(seen, prior, !rests(record) || record.is_held)) continue;
     if (record.is_held) tracks_.push_back(z.track);
     records_[z.track] = std::move(record);
     ++report.admitted;

@@ -37,7 +37,8 @@ class LandmarkManager {
   // their label (label_revision.h).
   void undo_labels(int frame, std::span<const Observation> measured, Belief& belief);
   void prune(int frame, Belief& belief, FrameReport& report);
-  void initialise_new(const Frame& frame, Belief& belief, FrameReport& report);
+  // `visible`: landmarks measured in this frame, those that passed the gate.
+  void initialise_new(const Frame& frame, int visible, Belief& belief, FrameReport& report);
 
   // The shared mechanisms of labels, depths and births; see in_force.h.
   void in_force(InForce& result) const;
@@ -52,11 +53,13 @@ class LandmarkManager {
   void complete_motions();  // motions_
   Label answer(const MotionBelief& motion, TrackRecord& record) const;
   void remove(Belief& belief, FrameReport& report);  // tracks_
+  FirstSight first_sight_of(const Frame& frame, const Observation& z, LandmarkPrior& prior) const;
   bool expected_in_view(int frame, const CameraState& camera, const LandmarkPoint& point) const;
 
   Setup setup_;
   ModelOptions models_;
   const LandmarkFunctions& functions_;
+  Rig rig_;
   std::unique_ptr<Classifier> classifier_;
   DepthPrior depth_prior_;
   std::shared_ptr<const Truth> truth_;

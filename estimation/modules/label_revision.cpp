@@ -108,12 +108,12 @@ void note_answer(TrackRecord& record, Label answer, int frame) {
   note_decision(record, answer, frame);
 }
 
-void note_innovation(TrackRecord& record, double nis, const LabelOptions& options) {
+void note_innovation(TrackRecord& record, double nis, const LabelOptions& options, int pixels) {
   if (!reversible(options) || !rests(record) || record.known) return;
   std::vector<double>& kept = record.static_nis;
   kept.reserve(kInnovations);
   if (std::ssize(kept) == kInnovations) kept.erase(kept.begin());
-  kept.push_back(nis);
+  kept.push_back(pixels == 1 ? nis : -2.0 * log_chi_square_tail(nis, pixels));
 }
 
 double moved_px(const TrackRecord& record, const Camera& camera, double dt) {

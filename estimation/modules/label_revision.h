@@ -58,9 +58,10 @@ void note_motion(TrackRecord& record, const MotionBelief& motion);
 // Whether innovations are asked at all.
 bool watches_innovations(const LabelOptions& options);
 
-// The NIS of a measurement of a static landmark given all other measurements of its frame; of one
-// that did not pass the gate, that of its innovation. One known beforehand stays static.
-void note_innovation(TrackRecord& record, double nis, const LabelOptions& options);
+// The NIS of a static landmark's measurement given all other measurements of its frame; of one that
+// did not pass the gate, that of its innovation. Of `pixels` of them together, 2 degrees of freedom
+// each, the value of 2 that is as probable is noted. One known beforehand stays static.
+void note_innovation(TrackRecord& record, double nis, const LabelOptions& options, int pixels = 1);
 
 // How far in the image a near moving point of the stated prior gets, one sigma, in the time since
 // the last measurement of this landmark that was used, `dt` [s] a frame. What lies farther off is a

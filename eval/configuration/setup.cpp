@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "estimation/classification.h"
 #include "estimation/modules/depth_prior.h"
@@ -72,6 +73,13 @@ double max_speed(const LandmarkPrior& model, const InitialCamera& camera) {
   return holds_scale(camera) ? std::max(model.max_speed, speed) : model.max_speed;
 }
 
+// Where the scale is measured each depth is a guess of its own, and no mean is learnt with them.
+void part_with_mean(LandmarkPrior& prior) {
+  prior.inverse_depth_sigma = std::hypot(prior.inverse_depth_sigma, prior.mean_sigma);
+  prior.mean_sigma = 0.0;
+  prior.spread_follows_mean = false;
+}
+
 LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& camera,
                              const Configuration& configuration) {
   const PriorConfiguration& overrides = configuration.prior;
@@ -84,8 +92,9 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& came
   }
   prior.inverse_depth = overrides.inverse_depth.value_or(prior.inverse_depth);
   prior.inverse_depth_sigma = overrides.inverse_depth_sigma.value_or(prior.inverse_depth_sigma);
-  const bool learns =
-      learns_depths(configuration.model.depth_prior, camera, !sequence.known.empty());
+  const bool is_measured = measures_scale(sequence);
+  const bool learns = learns_depths(configuration.model.depth_prior, camera,
+                                    is_measured || !sequence.known.empty());
   // Where no landmark is known, a spread in 1/m would tell a smoother the scale, and a filter not.
   const bool depths_are_known = is_given && prior.mean_sigma == 0.0 && !sequence.known.empty();
   prior.mean_sigma =
@@ -93,6 +102,7 @@ LandmarkPrior landmark_prior(const Sequence& sequence, const InitialCamera& came
   prior.spread_follows_mean = overrides.spread == PriorSpread::kAuto
                                   ? prior.mean_sigma > 0.0 && !depths_are_known
                                   : overrides.spread == PriorSpread::kRelative;
+  if (is_measured) part_with_mean(prior);
   prior.max_speed = overrides.max_speed.value_or(prior.max_speed);
   prior.acceleration = overrides.acceleration.value_or(prior.acceleration);
   prior.jerk = overrides.jerk.value_or(prior.jerk);
@@ -125,6 +135,8 @@ Sequence selected(Sequence sequence, const FrameSelection& frames) {
 Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
   Setup setup;
   setup.camera = sequence.camera;
+  setup.other_cameras = sequence.other_cameras;
+  setup.measures_scale = measures_scale(sequence);
   setup.pixel_sigma = configuration.pixel_sigma.value_or(sequence.pixel_sigma);
   setup.camera_noise = motion_noise(sequence, configuration.motion);
   setup.initial = initial_camera(sequence);
@@ -162,7 +174,7 @@ Configuration resolved(const Sequence& sequence, const Setup& setup, Configurati
   std::optional<int>& visible = configuration.model.policy.max_visible;
   if (!visible) visible = std::max(kUsuallyVisible, sequence.points.value_or(0));
   configuration.model.depth_prior =
-      learns_depths(configuration.model.depth_prior, setup.initial, !setup.known.empty())
+      learns_depths(configuration.model.depth_prior, setup.initial, setup.knows_scale())
           ? DepthPriorSource::kEmpirical
           : DepthPriorSource::kFixed;
   configuration.pixel_sigma = setup.pixel_sigma;

@@ -82,7 +82,14 @@ Json setup_message(const Setup& setup) {
   }
   Json initial = state_json(setup.initial.state);
   initial["sigmas"] = numbers(setup.initial.sigmas());
+  Json others = Json::array();
+  for (const MountedCamera& other : setup.other_cameras) {
+    Json camera = camera_json(other.lens);
+    camera["T_C0_C"] = {{"position", numbers(other.t)}, {"orientation", numbers(other.R.coeffs())}};
+    others.push_back(camera);
+  }
   return {{"camera", camera_json(setup.camera)},
+          {"other_cameras", others},
           {"pixel_sigma", setup.pixel_sigma},
           {"acceleration", setup.camera_noise.acceleration},
           {"angular_acceleration", setup.camera_noise.angular_acceleration},
@@ -92,18 +99,27 @@ Json setup_message(const Setup& setup) {
 }
 
 Json frame_message(const Frame& frame) {
-  Json tracks = Json::array(), pixels = Json::array(), relative_sigmas = Json::array();
+  Json tracks = Json::array(), pixels = Json::array(), relative_sigmas = Json::array(),
+       depths = Json::array();
   for (const Observation& z : frame.observations) {
     tracks.push_back(z.track);
     pixels.push_back(z.pixel.x());
     pixels.push_back(z.pixel.y());
     relative_sigmas.push_back(z.relative_sigma);
+    depths.push_back(z.depth);
+    depths.push_back(z.depth_sigma);
   }
-  return {{"frame", frame.index},
-          {"timestamp", frame.timestamp},
-          {"tracks", tracks},
-          {"pixels", pixels},
-          {"relative_sigmas", relative_sigmas}};
+  Json others = {{"tracks", Json::array()}, {"cameras", Json::array()}, {"pixels", Json::array()}};
+  for (const Observation& z : frame.other_views) {
+    others["tracks"].push_back(z.track);
+    others["cameras"].push_back(z.camera);
+    others["pixels"].push_back(z.pixel.x());
+    others["pixels"].push_back(z.pixel.y());
+  }
+  return {{"frame", frame.index},  {"timestamp", frame.timestamp},
+          {"other_views", others}, {"tracks", tracks},
+          {"pixels", pixels},      {"relative_sigmas", relative_sigmas},
+          {"depths", depths}};
 }
 
 // A quaternion of any length, as Python has no type that keeps it one.

@@ -24,7 +24,7 @@ double implied_sigma(const std::vector<CameraEstimate>& cameras, std::size_t i) 
 
 std::optional<StatedScale> stated_scale(const Setup& setup) {
   constexpr double kLeast = 4.0;  // of a scale that is known to half of itself
-  if (!setup.known.empty() || !(setup.prior.mean_sigma > 0.0)) return std::nullopt;
+  if (setup.knows_scale() || !(setup.prior.mean_sigma > 0.0)) return std::nullopt;
   const double speed = setup.initial.state.velocity.norm() / setup.initial.velocity_sigma;
   const double depth = setup.prior.inverse_depth / setup.prior.mean_sigma;
   const double information = speed * speed + depth * depth;

@@ -25,7 +25,7 @@ inline Sequence read_pixel_list(const std::filesystem::path& folder) {
     const Observation z{table.count(1), {table.real(2), table.real(3)}};
     std::vector<Frame>& frames = sequence.frames;
     if (frames.empty() || time > frames.back().timestamp) {
-      frames.push_back({static_cast<int>(frames.size()), time, {}});
+      frames.push_back({static_cast<int>(frames.size()), time, {}, {}});
     } else if (time < frames.back().timestamp ||
                z.track <= frames.back().observations.back().track) {
       table.refuse("rows must be ordered by time, then by track");

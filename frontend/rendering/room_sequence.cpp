@@ -94,7 +94,7 @@ Sequence room_sequence(const RoomOptions& options, std::uint64_t seed) {
   sequence.exact_truth = true;
   for (int i = 0; i < options.frames; ++i) {
     const double time = i / options.rate;
-    sequence.frames.push_back({i, time, {}});
+    sequence.frames.push_back({i, time, {}, {}});
     sequence.images.push_back(fmt::format("{}/{:06}.png", kImages, i));
     sequence.truth.emplace_back(room.camera_at(time));
   }

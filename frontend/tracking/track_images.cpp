@@ -125,7 +125,7 @@ void state_chessboard(const BoardView& view, const Chessboard& board, Sequence& 
 void keep_frame(const Sequence& images, size_t i, std::vector<Observation> observations,
                 Sequence& sequence) {
   const int index = static_cast<int>(sequence.frames.size());
-  sequence.frames.push_back({index, images.frames[i].timestamp, std::move(observations)});
+  sequence.frames.push_back({index, images.frames[i].timestamp, std::move(observations), {}});
   if (!images.images.empty()) sequence.images.push_back(images.images[i]);
   if (!images.truth.empty()) sequence.truth.push_back(images.truth[i]);
 }

@@ -1,9 +1,10 @@
 // Observation of a landmark (thesis 2.1.2, after Montiel et al. 2006): the pixel of the ray
-// R' (rho (a - r) + G), regular at rho = 0. All landmark models and parametrisations share it.
+// R' (rho (a - r) + G), regular at rho = 0, and of another camera of a rig what rig.h makes of it.
+// All landmark models and parametrisations share it.
 #pragma once
 
-#include "models/camera.h"
 #include "models/points/point_functions.h"
+#include "models/rig.h"
 
 namespace slammot {
 
@@ -15,7 +16,7 @@ Vector3<T> ray_camera(const Vector3<T>& r, const Eigen::Quaternion<T>& R, const 
 
 struct ObservedPixel {
   Eigen::Vector2d pixel;
-  Eigen::Matrix<double, 2, 6> J_pose;  // with respect to [dr (W), dtheta (C, right)]
+  Eigen::Matrix<double, 2, 6> J_pose;  // with respect to [dr (W), dtheta (C0, right)]
   Matrix23d J_anchor;
   Matrix23d J_y;
   Matrix23d J_world;  // with respect to the ray in W
@@ -28,7 +29,7 @@ bool is_grazing(const Eigen::Vector3d& ray_camera);
 
 // Nothing when the landmark is_grazing(), or within a centimetre of the camera: there every pixel
 // costs nothing, and a smoother would be drawn into that pole.
-std::optional<ObservedPixel> observe(const Camera& camera, const PointFunctions& point,
+std::optional<ObservedPixel> observe(const MountedCamera& camera, const PointFunctions& point,
                                      const Eigen::Vector3d& r, const Eigen::Quaterniond& R,
                                      const Eigen::Vector3d& anchor, const Eigen::Vector3d& y);
 
@@ -36,7 +37,7 @@ std::optional<ObservedPixel> observe(const Camera& camera, const PointFunctions&
 // outside the image than the image is large. There h is so curved (it has a pole at the camera's
 // plane) that its linearisation makes S meaningless: a measurement 10^5 pixels away passes the
 // gate.
-std::optional<ObservedPixel> expect(const Camera& camera, const PointFunctions& point,
+std::optional<ObservedPixel> expect(const MountedCamera& camera, const PointFunctions& point,
                                     const Eigen::Vector3d& r, const Eigen::Quaterniond& R,
                                     const Eigen::Vector3d& anchor, const Eigen::Vector3d& y);
 

@@ -23,6 +23,9 @@ class Camera:
     cy: float
     distortion: np.ndarray
 
+    position: np.ndarray = (0.0, 0.0, 0.0)          # in camera 0 [m]
+    orientation: np.ndarray = (0.0, 0.0, 0.0, 1.0)  # to camera 0, quaternion x, y, z, w
+
     @property
     def matrix(self):
         return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
@@ -47,6 +50,15 @@ class Setup:
     initial: "CameraEstimate"    # before the first frame, covariance 12x12
     known: KnownLandmarks
     configuration: dict          # every configuration key and its value, as text
+    other_cameras: tuple = ()    # Camera 1 and on of a rig; poses are those of camera 0
+
+
+@dataclass(frozen=True)
+class OtherViews:
+    """Of the other cameras of a rig, by track and camera."""
+    tracks: np.ndarray   # n numbers
+    cameras: np.ndarray  # n numbers, from 1
+    pixels: np.ndarray   # n x 2
 
 
 @dataclass(frozen=True)
@@ -56,6 +68,8 @@ class Frame:
     tracks: np.ndarray  # n numbers, increasing
     pixels: np.ndarray  # n x 2
     relative_sigmas: np.ndarray  # n: the noise of a pixel is Setup.pixel_sigma times this
+    depths: np.ndarray = None    # n x 2: depth along the optical axis and its sigma [m], 0 where none is measured
+    other_views: OtherViews = None
 
 
 @dataclass

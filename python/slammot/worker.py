@@ -47,23 +47,33 @@ def unless_none(values, size, what):
     return None if values is None else numbers(values, size, what)
 
 
+def camera_of(message):
+    mounted = {key: np.array(value) for key, value in message.get("T_C0_C", {}).items()}
+    lens = {key: value for key, value in message.items() if key != "T_C0_C"}
+    return api.Camera(**dict(lens, distortion=np.array(lens["distortion"], float)), **mounted)
+
+
 def setup_of(message):
-    camera = dict(message["camera"], distortion=np.array(message["camera"]["distortion"], float))
     initial = {key: np.array(value) for key, value in message["initial"].items()}
     sigmas = initial.pop("sigmas")
     known = message["known"]
-    return api.Setup(camera=api.Camera(**camera), pixel_sigma=message["pixel_sigma"],
+    return api.Setup(camera=camera_of(message["camera"]), pixel_sigma=message["pixel_sigma"],
                      acceleration=message["acceleration"], angular_acceleration=message["angular_acceleration"],
                      prior=message["prior"], initial=api.CameraEstimate(covariance=np.diag(sigmas ** 2), **initial),
                      known=api.KnownLandmarks(np.array(known["tracks"], int),
                                               np.array(known["positions"], float).reshape(-1, 3),
                                               np.array(known["sigmas"], float)),
-                     configuration=message["configuration"])
+                     configuration=message["configuration"],
+                     other_cameras=tuple(camera_of(other) for other in message["other_cameras"]))
 
 
 def frame_of(message):
+    others = message["other_views"]
     return api.Frame(message["frame"], message["timestamp"], np.array(message["tracks"], int),
-                     np.array(message["pixels"], float).reshape(-1, 2), np.array(message["relative_sigmas"], float))
+                     np.array(message["pixels"], float).reshape(-1, 2), np.array(message["relative_sigmas"], float),
+                     np.array(message["depths"], float).reshape(-1, 2),
+                     api.OtherViews(np.array(others["tracks"], int), np.array(others["cameras"], int),
+                                    np.array(others["pixels"], float).reshape(-1, 2)))
 
 
 def camera_json(camera, timestamp):

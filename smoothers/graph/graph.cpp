@@ -165,7 +165,7 @@ void Graph::add_pixel(LandmarkId id, const GraphCamera& camera, const Observatio
   added.orientation = camera.orientation;
   added.depth = depth;
   added.time = camera.time;
-  added.z = {z.pixel, camera.position == landmark.anchor, z.relative_sigma};
+  added.z = {z.pixel, camera.position == landmark.anchor, z.relative_sigma, z.camera};
 }
 
 void Graph::reactivate(const std::vector<VariableId>& ids) {

@@ -117,7 +117,7 @@ void Graph::linearise_motion(GraphPixel& pixel, const GraphLandmark& l,
 bool Graph::is_at_pole(const GraphPixel& pixel) const {
   constexpr double kNear = 0.05;  // [m]
   const double sigma = models_.pixel_sigma * pixel.z.relative_sigma;
-  const double steepest = models_.camera.fx / (kNear * sigma);  // d residual / dr
+  const double steepest = models_.rig[pixel.z.camera].lens.fx / (kNear * sigma);  // d residual / dr
   if (pixel.z.here) return false;
   return !pixel.valid || pixel.at.J_pose.leftCols<3>().norm() > steepest;
 }

@@ -51,8 +51,8 @@ std::optional<PixelResidual> pixel_residual(const GraphModels& models, const Mea
                                             const Eigen::Quaterniond& orientation,
                                             const Eigen::Vector3d& anchor,
                                             const Eigen::Vector3d& y) {
-  const auto h =
-      observe(models.camera, models.point(), position, orientation, z.here ? position : anchor, y);
+  const auto h = observe(models.rig[z.camera], models.point(), position, orientation,
+                         z.here ? position : anchor, y);
   if (!h) return std::nullopt;
   const double sigma = models.pixel_sigma * z.relative_sigma;
   PixelResidual result{(h->pixel - z.pixel) / sigma, h->J_pose / sigma, h->J_anchor / sigma,

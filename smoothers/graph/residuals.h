@@ -5,7 +5,6 @@
 
 #include <optional>
 
-#include "models/camera.h"
 #include "models/camera_motion.h"
 #include "models/landmarks/landmark_models.h"
 #include "models/points/observation.h"
@@ -14,7 +13,7 @@ namespace slammot {
 
 // What all factors share.
 struct GraphModels {
-  Camera camera;
+  Rig rig;
   double pixel_sigma = 1.0;
   LandmarkPrior prior;  // of the acceleration noise
   const LandmarkFunctions* landmark = nullptr;
@@ -46,6 +45,7 @@ struct MeasuredPixel {
   Eigen::Vector2d pixel;
   bool here = false;
   double relative_sigma = 1.0;  // as in Observation
+  int camera = 0;               // likewise
 };
 std::optional<PixelResidual> pixel_residual(const GraphModels& models, const MeasuredPixel& z,
                                             const Eigen::Vector3d& position,

@@ -25,7 +25,7 @@ namespace slammot {
 
 // False where no landmark is known and the spread of depths follows a mean that is estimated.
 inline bool noise_tells_scale(const Setup& setup) {
-  return !setup.known.empty() || !setup.prior.spread_follows_mean;
+  return setup.knows_scale() || !setup.prior.spread_follows_mean;
 }
 
 // e [m/s]; `weight` is L^-1.

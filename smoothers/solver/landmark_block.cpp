@@ -115,8 +115,12 @@ void LandmarkBlock::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::Vect
       continue;
     }
     for (int j = 0; j <= i; ++j) {
+      const int other = poses_[static_cast<std::size_t>(j)];
       const Eigen::Matrix<double, 6, 2> A_tP = A_t * P.block<2, 2>(row, 2 * j);
-      add_block(H, pose, poses_[static_cast<std::size_t>(j)], A_tP * A.block<2, 6>(2 * j, 0));
+      const Matrix6d product = A_tP * A.block<2, 6>(2 * j, 0);
+      add_block(H, pose, other, product);
+      // Of two cameras of a rig both orders are of this block.
+      if (j < i && other == pose) H.block<6, 6>(pose, pose) += product.transpose();
     }
   }
 }

@@ -9,8 +9,7 @@ void Marginals::innovations(std::span<const Observation> measured, FrameInnovati
   result.z.clear();
   result.nu.clear();
   expected_.clear();
-  tracks_.clear();
-  for (const Observation& z : measured) tracks_.push_back(z.track);
+  tracks_of(measured, tracks_);
   prepare(tracks_);
   for (const Observation& z : measured) {
     const auto pixel = expect_pixel(z);
@@ -28,7 +27,7 @@ void Marginals::predict_pixels(std::span<const int> tracks, std::vector<Predicti
   for (const int track : tracks) {
     const auto pixel = expect_pixel({track, Eigen::Vector2d::Zero()});
     if (!pixel) continue;
-    result.push_back({track, -pixel->nu, pixel->HPHt});
+    result.push_back({track, -pixel->nu, shared(landmarks_.at(track), pixel->h, pixel->h)});
   }
 }
 
@@ -37,23 +36,14 @@ std::optional<Marginals::Expected> Marginals::expect_pixel(const Observation& z)
   const GraphLandmark& l = graph_[landmark.id];
   const GraphModels& models = graph_.models();
   const CameraState x = cameras_.state(cameras_.newest());
-  const auto h = expect(models.camera, models.point(), x.position, x.orientation,
+  const auto h = expect(models.rig[z.camera], models.point(), x.position, x.orientation,
                         graph_.value(l.anchor), graph_.newest_state(l).head<3>());
   if (!h) return std::nullopt;
-  Expected result;
-  result.landmark = landmark.id;
-  result.nu = z.pixel - h->pixel;
-  result.J_pose = h->J_pose;
+  Expected result{z.track, landmark.id, *h, z.pixel - h->pixel, {}};
   if (landmark.is_entering) {
-    expect_new(l, *h, result);
+    result.H = rows_of_new(l, *h) * F_;
     return result;
   }
-  const JointMatrix P = joint(landmark);
-  Eigen::Matrix<double, 2, kCameraDim + 6> H;
-  H << h->J_pose * F_.topRows<6>(), h->J_anchor, h->J_y;
-  const auto P_seen = P.topLeftCorner<kCameraDim + 6, kCameraDim + 6>();
-  result.HPHt =
-      H * P_seen * H.transpose() + h->J_pose * Q_.topLeftCorner<6, 6>() * h->J_pose.transpose();
   // Of the state as it was factorised: what has come since (noise, a motion) is its own.
   LandmarkMatrix J_state =
       LandmarkMatrix::Zero(2, l.is_free() ? graph_.models().landmark->dim() : 3);
@@ -63,26 +53,49 @@ std::optional<Marginals::Expected> Marginals::expect_pixel(const Observation& z)
   }
   const int known = equations_.state_dim(graph_, landmark.id);
   result.H.setZero(2, kCameraDim + 3 + known);
-  result.H.leftCols<kCameraDim + 3>() = H.leftCols<kCameraDim + 3>();
+  result.H.leftCols<kCameraDim + 3>() << h->J_pose * F_.topRows<6>(), h->J_anchor;
   const Eigen::Index both = std::min<Eigen::Index>(known, J_state.cols());
   result.H.middleCols(kCameraDim + 3, both) = J_state.leftCols(both);
   return result;
 }
 
+// What two pixels of one landmark in the newest frame have in common [px^2]; of one and the same,
+// H P H'.
+Eigen::Matrix2d Marginals::shared(const WindowLandmark& landmark, const ObservedPixel& a,
+                                  const ObservedPixel& b) const {
+  if (landmark.is_entering) return shared_of_new(graph_[landmark.id], a, b);
+  const JointMatrix P = joint(landmark);
+  Eigen::Matrix<double, 2, kCameraDim + 6> H_a, H_b;
+  H_a << a.J_pose * F_.topRows<6>(), a.J_anchor, a.J_y;
+  H_b << b.J_pose * F_.topRows<6>(), b.J_anchor, b.J_y;
+  const auto P_seen = P.topLeftCorner<kCameraDim + 6, kCameraDim + 6>();
+  return H_a * P_seen * H_b.transpose() +
+         a.J_pose * Q_.topLeftCorner<6, 6>() * b.J_pose.transpose();
+}
+
 // A landmark known beforehand, at its first sight: y follows from its position and the camera.
-void Marginals::expect_new(const GraphLandmark& l, const ObservedPixel& h, Expected& result) const {
-  const Eigen::Matrix3d J_y_position =
-      initialise_known(graph_.models().point(), l.birth.known, graph_.variables[l.anchor].point())
-          .J_y_position;
-  const Matrix23d J_position = h.J_y * J_y_position;
-  Eigen::Matrix<double, 2, kCameraDim> H = Eigen::Matrix<double, 2, kCameraDim>::Zero();
+Marginals::CameraRows Marginals::rows_of_new(const GraphLandmark& l, const ObservedPixel& h) const {
+  const Matrix23d J_position = h.J_y * J_of_known(l);
+  CameraRows H = CameraRows::Zero();
   H.leftCols<6>() = h.J_pose;
   H.leftCols<3>() += h.J_anchor - J_position;
+  return H;
+}
+
+Eigen::Matrix2d Marginals::shared_of_new(const GraphLandmark& l, const ObservedPixel& a,
+                                         const ObservedPixel& b) const {
   const Matrix12d P = F_ * equations_.camera_covariance() * F_.transpose() + Q_;
-  result.J_pose = H.leftCols<6>();
-  result.H = H * F_;
-  result.HPHt = H * P * H.transpose() +
-                std::pow(l.birth.known.sigma, 2) * J_position * J_position.transpose();
+  const Eigen::Matrix3d J = J_of_known(l);
+  const Matrix23d J_a = a.J_y * J, J_b = b.J_y * J;
+  return rows_of_new(l, a) * P * rows_of_new(l, b).transpose() +
+         std::pow(l.birth.known.sigma, 2) * J_a * J_b.transpose();
+}
+
+// dy / d(position in W).
+Eigen::Matrix3d Marginals::J_of_known(const GraphLandmark& l) const {
+  return initialise_known(graph_.models().point(), l.birth.known,
+                          graph_.variables[l.anchor].point())
+      .J_y_position;
 }
 
 // With E the columns of camera, anchor and state in the core, and L L' the core's information, two
@@ -103,11 +116,16 @@ void Marginals::fill_HPHt(GrowingMatrix& HPHt) {
   P.selfadjointView<Eigen::Lower>().rankUpdate(C.transpose());
   for (Eigen::Index i = 0; i < std::ssize(expected_); ++i) {
     const Expected& pixel = expected_[static_cast<std::size_t>(i)];
-    P.block<2, 2>(2 * i, 2 * i) = pixel.HPHt;
-    const Eigen::Matrix<double, 2, 6> J_Q = pixel.J_pose * Q_.topLeftCorner<6, 6>();
+    const WindowLandmark& landmark = landmarks_.at(pixel.track);
+    P.block<2, 2>(2 * i, 2 * i) = shared(landmark, pixel.h, pixel.h);
+    const Eigen::Matrix<double, 2, 6> J_Q = pixel.h.J_pose * Q_.topLeftCorner<6, 6>();
     for (Eigen::Index j = 0; j < i; ++j) {
-      P.block<2, 2>(2 * i, 2 * j) +=
-          J_Q * expected_[static_cast<std::size_t>(j)].J_pose.transpose();
+      const Expected& other = expected_[static_cast<std::size_t>(j)];
+      if (other.track == pixel.track) {  // by another camera: also what is the landmark's own
+        P.block<2, 2>(2 * i, 2 * j) = shared(landmark, pixel.h, other.h);
+      } else {
+        P.block<2, 2>(2 * i, 2 * j) += J_Q * other.h.J_pose.transpose();
+      }
     }
   }
   add_inactive(P);
@@ -140,7 +158,10 @@ void Marginals::add_inactive(Eigen::Ref<Eigen::MatrixXd> HPHt) const {
   for (std::size_t a = 0; a < of.size(); ++a) {
     for (std::size_t b = 0; b < of.size(); ++b) {
       const Eigen::Index i = of[a].first, j = of[b].first;
-      if (j >= i) continue;
+      const auto track = [this](Eigen::Index k) {
+        return expected_[static_cast<std::size_t>(k)].track;
+      };
+      if (j >= i || track(i) == track(j)) continue;  // shared() has it
       HPHt.block<2, 2>(2 * i, 2 * j) +=
           of[a].second * Sigma.block<3, 3>(place(ids[a]), place(ids[b])) * of[b].second.transpose();
     }

@@ -1,8 +1,23 @@
 #include "smoothers/window/marginals.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 namespace slammot {
+
+namespace {
+
+using PixelJacobian = Eigen::Matrix<double, 2, kCameraDim + 6>;
+
+// With respect to camera, anchor and y.
+PixelJacobian jacobian_of(const GraphPixel& pixel) {
+  PixelJacobian J = PixelJacobian::Zero();
+  J.leftCols<6>() = pixel.at.J_pose;
+  J.rightCols<6>() << pixel.at.J_anchor, pixel.at.J_y;
+  return J;
+}
+
+}  // namespace
 
 void Marginals::start() {
   F_.setIdentity();
@@ -61,15 +76,39 @@ void Marginals::leave_one_out(std::span<const int> tracks, std::vector<LeaveOneO
     const WindowLandmark& landmark = landmarks_.at(track);
     const GraphPixel& pixel = graph_[landmark.id].pixels.back();
     if (landmark.is_free || !pixel.valid) continue;
-    Eigen::Matrix<double, 2, kCameraDim + 6> J = Eigen::Matrix<double, 2, kCameraDim + 6>::Zero();
-    J.leftCols<6>() = pixel.at.J_pose;
-    J.rightCols<6>() << pixel.at.J_anchor, pixel.at.J_y;
+    if (graph_.models().rig.size() > 1) {
+      result.push_back(leave_rig_out(landmark));
+      continue;
+    }
+    const PixelJacobian J = jacobian_of(pixel);
     const auto P = equations_.joint(landmark.id);
     const Eigen::Matrix2d own =
         Eigen::Matrix2d::Identity() -
         J * P.topLeftCorner<kCameraDim + 6, kCameraDim + 6>() * J.transpose();
     result.push_back({track, pixel.at.r.dot(own.inverse() * pixel.at.r)});
   }
+}
+
+// Of all its pixels in the newest frame together.
+LeaveOneOut Marginals::leave_rig_out(const WindowLandmark& landmark) const {
+  const std::vector<GraphPixel>& all = graph_[landmark.id].pixels;
+  std::vector<const GraphPixel*> newest;
+  for (auto pixel = all.rbegin(); pixel != all.rend(); ++pixel) {
+    if (pixel->position != all.back().position) break;
+    if (pixel->valid) newest.push_back(&*pixel);
+  }
+  const auto n = 2 * std::ssize(newest);
+  Eigen::MatrixXd J(n, kCameraDim + 6);
+  Eigen::VectorXd r(n);
+  for (Eigen::Index i = 0; i < n; i += 2) {
+    const GraphPixel& pixel = *newest[static_cast<std::size_t>(i / 2)];
+    J.middleRows<2>(i) = jacobian_of(pixel);
+    r.segment<2>(i) = pixel.at.r;
+  }
+  const Eigen::MatrixXd P =
+      equations_.joint(landmark.id).topLeftCorner<kCameraDim + 6, kCameraDim + 6>();
+  const Eigen::MatrixXd own = Eigen::MatrixXd::Identity(n, n) - J * P * J.transpose();
+  return {landmark.track, r.dot(own.llt().solve(r)), static_cast<int>(n / 2)};
 }
 
 std::optional<PoseEstimate> Marginals::pose_before(int frames) const {

@@ -40,22 +40,30 @@ class Marginals {
   LandmarkVector at_rest(const WindowLandmark& landmark) const;
 
  private:
+  using CameraRows = Eigen::Matrix<double, 2, kCameraDim>;
+
   // A measurement's pixel as it is expected.
   struct Expected {
+    int track = 0;
     LandmarkId landmark = 0;
-    Eigen::Vector2d nu;    // z - h(x) [px]
-    Eigen::Matrix2d HPHt;  // [px^2]
-    Eigen::Matrix<double, 2, 6> J_pose;
+    ObservedPixel h;
+    Eigen::Vector2d nu;  // z - h(x) [px]
     // Of (camera, anchor, state) as they were factorised; of one known at first sight: (camera).
     BoundedMatrix<2, Eigen::Dynamic, 2, kMaxJoint> H;
   };
 
   void prepare(std::span<const int> tracks);
   JointMatrix joint(const WindowLandmark& landmark) const;
+  LeaveOneOut leave_rig_out(const WindowLandmark& landmark) const;
 
   // expected_pixels.cpp
   std::optional<Expected> expect_pixel(const Observation& z) const;
-  void expect_new(const GraphLandmark& l, const ObservedPixel& h, Expected& result) const;
+  CameraRows rows_of_new(const GraphLandmark& l, const ObservedPixel& h) const;
+  Eigen::Matrix3d J_of_known(const GraphLandmark& l) const;
+  Eigen::Matrix2d shared(const WindowLandmark& landmark, const ObservedPixel& a,
+                         const ObservedPixel& b) const;
+  Eigen::Matrix2d shared_of_new(const GraphLandmark& l, const ObservedPixel& a,
+                                const ObservedPixel& b) const;
   void fill_HPHt(GrowingMatrix& HPHt);
   void add_inactive(Eigen::Ref<Eigen::MatrixXd> HPHt) const;
 

@@ -22,6 +22,7 @@ constexpr double kCeresTolerance = 1e-18;  // below rounding: until steps change
 // is to be the EKF without its gauge (docs/frame.md).
 std::string without_scale(const Setup& setup, const WindowOptions& options) {
   if (!setup.known.empty()) return "landmarks known beforehand";
+  if (setup.measures_scale) return "the scale is measured";
   if (options.linearisation == WindowLinearisation::kFej) return "window.linearisation=fej";
   return options.iterations > 1 ? "" : "window.iterations=1";
 }
@@ -44,7 +45,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       condition_(models.collapse == Collapse::kCondition),
       remembers_(motion_memory(models, find_landmark(models.landmark, models.point)) > 0),
       functions_(find_landmark(models.landmark, models.point)),
-      graph_({setup.camera, setup.pixel_sigma, setup.prior, &functions_,
+      graph_({setup.rig(), setup.pixel_sigma, setup.prior, &functions_,
               options.solver == WindowSolver::kCeres || noise_tells_scale(setup),
               keeps_scale(setup, models, options), setup.initial.state.position},
              has_fixed_points(options)),
@@ -91,8 +92,7 @@ void Window::add_known(const KnownLandmark& known) {
 }
 
 void Window::innovations(std::span<const Observation> measured, FrameInnovation& result) {
-  measured_.clear();
-  for (const Observation& z : measured) measured_.push_back(z.track);
+  tracks_of(measured, measured_);
   marginals_.innovations(measured, result);
 }
 
@@ -121,7 +121,7 @@ void Window::update(std::span<const Observation> accepted, std::span<const int> 
 }
 
 void Window::add_pixels(std::span<const Observation> accepted, std::span<const int> considered) {
-  used_.clear();
+  tracks_of(accepted, used_);
   const WindowFrame& newest = cameras_.newest();
   for (const Observation& z : accepted) {
     WindowLandmark& landmark = landmarks_.at(z.track);
@@ -129,7 +129,6 @@ void Window::add_pixels(std::span<const Observation> accepted, std::span<const i
     consider(landmark, std::ranges::binary_search(considered, z.track));
     const int depth = landmark.is_free ? graph_[landmark.id].steps() : 0;
     graph_.add_pixel(landmark.id, newest.camera, z, depth);
-    used_.push_back(z.track);
     if (histories_) histories_->measured(z, newest.number);
   }
 }
@@ -297,25 +296,29 @@ void Window::remove(std::span<const int> tracks, const TrackRecords& records) {
 }
 
 // Thesis 2.1.3, (2.7), as factors: the first pixel, and the priors of inverse depth and motion.
-bool Window::add(const Observation& z, const LandmarkPrior& prior, bool is_free) {
+bool Window::add(const FirstSight& seen, const LandmarkPrior& prior, bool is_free) {
   const WindowFrame& newest = cameras_.newest();
-  const auto& scene = graph_.scene;
-  const double depth = scene ? graph_.variables[scene->scene].value(0) : prior.inverse_depth;
+  const bool is_shared = graph_.scene && !seen.has_own_depth;
+  const double depth = is_shared                 ? graph_.variables[graph_.scene->scene].value(0)
+                       : seen.is_of_one_camera() ? seen.prior.inverse_depth
+                                                 : seen.inverse_depth;
   const auto here = initialise(setup_.camera, functions_.point, cameras_.state(newest).orientation,
-                               z.pixel, depth);
+                               seen.pixel, depth);
   if (!here) return false;
-  WindowLandmark& landmark = insert(z.track, newest.camera.position, here->y);
+  WindowLandmark& landmark = insert(seen.z.track, newest.camera.position, here->y);
   landmark.is_free = is_free;
   GraphLandmark& l = graph_[landmark.id];
-  l.birth.kind = scene ? BirthPrior::Kind::kSharedDepth : BirthPrior::Kind::kDepth;
-  l.birth.inverse_depth = prior.inverse_depth;
-  l.birth.spread = {prior.inverse_depth_sigma, scene && prior.spread_follows_mean ? depth : 0.0};
-  l.birth.scene = scene ? scene->scene : -1;
-  graph_.add_pixel(landmark.id, newest.camera, z, 0);
+  l.birth.kind = is_shared ? BirthPrior::Kind::kSharedDepth : BirthPrior::Kind::kDepth;
+  l.birth.inverse_depth = seen.prior.inverse_depth;
+  l.birth.spread = {seen.prior.sigma, is_shared && prior.spread_follows_mean ? depth : 0.0};
+  l.birth.scene = is_shared ? graph_.scene->scene : -1;
+  graph_.add_pixel(landmark.id, newest.camera, seen.z, 0);
+  for (const Observation& z : seen.others) graph_.add_pixel(landmark.id, newest.camera, z, 0);
   if (is_free) graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
   if (histories_) {
-    histories_->begin(z.track, newest.number, l.birth);
-    histories_->measured(z, newest.number);
+    histories_->begin(seen.z.track, newest.number, l.birth);
+    histories_->measured(seen.z, newest.number);
+    for (const Observation& z : seen.others) histories_->measured(z, newest.number);
   }
   graph_.linearise(l);
   optimiser_.equations().add(graph_, landmark.id);
@@ -355,7 +358,7 @@ void Window::in_force(InForce& result) const {
 }
 
 double Window::scale_information() const {
-  return setup_.known.empty() ? information_of_scale(graph_)(0) : kUndefined;
+  return !setup_.knows_scale() ? information_of_scale(graph_)(0) : kUndefined;
 }
 
 int Window::state_size() const {

@@ -55,7 +55,7 @@ class Window final : public Belief {
   void free(int track, const LandmarkPrior& prior) override;
   void release(std::span<const int> tracks, const TrackRecords& records) override;
   void remove(std::span<const int> tracks, const TrackRecords& records) override;
-  bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override;
+  bool add(const FirstSight& seen, const LandmarkPrior& prior, bool is_free) override;
 
   void in_force(InForce& result) const override;
   double scale_information() const override;

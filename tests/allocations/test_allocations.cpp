@@ -81,7 +81,7 @@ Setup wall_setup() {
 Frame wall_frame(const Setup& setup, int index) {
   const double t = index / 15.0;
   const Eigen::Vector3d r(0.5 * std::sin(t), 0.2 * std::sin(0.7 * t), 0.0);
-  Frame frame{index, t, {}};
+  Frame frame{index, t, {}, {}};
   for (int track = 0; track < 40; ++track) {
     Eigen::Vector3d point(0.5 * (track % 8) - 1.75, 0.6 * (track / 8) - 1.2, 4.0 + track % 3);
     if (track % 4 == 0) point.x() = 0.05 * track - 2.0 + 0.4 * t;

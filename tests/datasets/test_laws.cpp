@@ -59,7 +59,7 @@ Sequence any_sequence() {
   double time = within(-1e9, 1e9);
   const int frames = *rc::gen::inRange(1, 6);
   for (int i = 0; i < frames; ++i, time += within(0.001, 1.0)) {
-    Frame frame{i, time, {}};
+    Frame frame{i, time, {}, {}};
     const int tracks = *rc::gen::inRange(0, 5);
     for (int track = 0; track < tracks; ++track) {
       const double u = track == 0 ? -1e-300 : within(-640.0, 1280.0);

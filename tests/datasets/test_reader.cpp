@@ -77,7 +77,7 @@ TEST(NativeReader, ReadsALongSequenceFast) {
   s.name = "long";
   s.camera.fx = s.camera.fy = 100.0;
   for (int i = 0; i < 5000; ++i) {
-    Frame frame{i, i / 15.0, {}};
+    Frame frame{i, i / 15.0, {}, {}};
     for (int track = 0; track < 30; ++track)
       frame.observations.push_back({track, {i % 600 + 1.0 / 7.0, 2.5}});
     s.frames.push_back(frame);

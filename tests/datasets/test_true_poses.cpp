@@ -39,7 +39,7 @@ std::vector<double> times(int count, double step, double first = 0.0) {
 
 Sequence sequence_of(int frames) {
   Sequence s;
-  for (int i = 0; i < frames; ++i) s.frames.push_back({i, i * kStep, {}});
+  for (int i = 0; i < frames; ++i) s.frames.push_back({i, i * kStep, {}, {}});
   return s;
 }
 

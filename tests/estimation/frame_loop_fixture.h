@@ -142,7 +142,8 @@ class FakeBelief final : public Belief {
       state.erase(track);
     }
   }
-  bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override {
+  bool add(const FirstSight& seen, const LandmarkPrior& prior, bool is_free) override {
+    const Observation& z = seen.z;
     call("add");
     if (z.track == kNoRay) return false;
     newest_prior = prior;
@@ -206,7 +207,7 @@ class FrameLoopOf : public testing::Test {
   }
 
   FrameReport frame(std::vector<int> tracks) {
-    Frame frame{index_, 0.1 * index_, {}};
+    Frame frame{index_, 0.1 * index_, {}, {}};
     ++index_;
     for (const int track : tracks) frame.observations.push_back({track, {320.0, 240.0}});
     calls_.clear();

@@ -26,7 +26,7 @@ TEST_F(FrameLoopOf, AsksInTheOrderOfTheThesis) {
   EXPECT_NEAR(belief_->last_dt, 0.1, 1e-15);
   frame({1, 2, 7});
   EXPECT_THAT(belief_->asked, ElementsAre(2));  // of the first frame's no label is open
-  Frame again{index_, 0.1 * (index_ - 1), {}};
+  Frame again{index_, 0.1 * (index_ - 1), {}, {}};
   EXPECT_THROW(loop_->process(again, stages_), std::invalid_argument);
 }
 

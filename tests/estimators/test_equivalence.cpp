@@ -214,6 +214,11 @@ class OneFrameAtTheDefaults : public testing::TestWithParam<std::tuple<std::stri
 };
 
 std::optional<Sequence> sequence_of(const std::string& name) {
+  if (name == "stereo" || name == "depths") {
+    const auto rig =
+        name == "stereo" ? std::pair("stereo", "0.3") : std::pair("depth_sigma", "0.1");
+    return simulate("circle", {{"frames", kFrames}, {"known", "0"}, rig}, 3);
+  }
   if (name != "recording") return simulate(name, {{"frames", kFrames}}, 3);
   const std::filesystem::path drive =
       std::filesystem::path(test::kSharedData) / "kitti_klt" / "2011_09_26_drive_0001";
@@ -244,12 +249,11 @@ TEST_P(OneFrameAtTheDefaults, AndOneStepIsTheEkf) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Sequences, OneFrameAtTheDefaults,
-                         testing::Combine(testing::Values("circle", "square", "recording"),
-                                          testing::ValuesIn(names_of(landmark_list()))),
-                         [](const auto& tested) {
-                           return std::get<0>(tested.param) + "_" + std::get<1>(tested.param);
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Sequences, OneFrameAtTheDefaults,
+    testing::Combine(testing::Values("circle", "square", "recording", "stereo", "depths"),
+                     testing::ValuesIn(names_of(landmark_list()))),
+    [](const auto& tested) { return std::get<0>(tested.param) + "_" + std::get<1>(tested.param); });
 
 TEST(ManySteps, MakeItTheIteratedEkf) {
   const Sequence sequence = simulate("circle", {{"frames", "40"}}, 3);

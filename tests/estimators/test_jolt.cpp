@@ -31,7 +31,7 @@ Second second_frame(const std::string& family, double told, const std::vector<do
   belief->predict(first, 0.0, setup.camera_noise, records);
   for (const Observation& z : first.observations) {
     records[z.track].label = Label::kStatic;
-    EXPECT_TRUE(belief->add(z, setup.prior, false));
+    EXPECT_TRUE(belief->add(first_pixel(z, setup.prior), setup.prior, false));
   }
   belief->finish();
   belief->predict(second, second.timestamp - first.timestamp, scaled(setup.camera_noise, told),

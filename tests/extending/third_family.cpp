@@ -168,9 +168,10 @@ class Unscented final : public Belief {
     erase(gone);
   }
 
-  bool add(const Observation& z, const LandmarkPrior& prior, bool is_free) override {
+  bool add(const FirstSight& seen, const LandmarkPrior& prior, bool is_free) override {
+    const Observation& z = seen.z;
     const bool shared = setup_.prior.mean_sigma > 0.0;  // the mean is in the state
-    const double rho = shared ? x_(kScene) : prior.inverse_depth;
+    const double rho = shared ? x_(kScene) : seen.prior.inverse_depth;
     const auto born =
         initialise(setup_.camera, functions_.point, camera_.orientation, z.pixel, rho);
     if (!born) return false;
@@ -178,7 +179,7 @@ class Unscented final : public Belief {
     J.middleCols<3>(kRotation) = born->J_rotation;
     if (shared) J.col(kScene) = born->J_inverse_depth;
     root << std::sqrt(z.variance(setup_.pixel_sigma)) * born->J_pixel,
-        prior.inverse_depth_sigma * born->J_inverse_depth;
+        seen.prior.sigma * born->J_inverse_depth;
     insert(z.track, born->y, J, root * root.transpose());
     if (is_free) free(z.track, prior);
     return true;

@@ -162,7 +162,8 @@ class EkfWithMemory : public testing::Test {
     NoStages stages;
     ekf.predict(sequence_.frames[0], 0.0, setup_.camera_noise, records_);
     for (const Observation& z : sequence_.frames[0].observations) {
-      EXPECT_TRUE(ekf.add(z, setup_.prior, std::ranges::count(kept_, z.track) > 0));
+      EXPECT_TRUE(ekf.add(first_pixel(z, setup_.prior), setup_.prior,
+                          std::ranges::count(kept_, z.track) > 0));
     }
     if (is_constrained) ekf.collapse(kept_);
     ekf.finish();

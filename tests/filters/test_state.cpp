@@ -326,13 +326,29 @@ TEST(NisGivenOthers, IsThatOfTheInnovationBesideItsPredictionFromTheOthers) {
   solved.S.resize(kRows, kRows);
   *solved.S = L;
   solved.stacked_nu() = L.triangularView<Eigen::Lower>().solve(nu);
-  std::vector<double> nis;
+  for (int i = 0; i < kMatches; ++i) solved.matches[static_cast<std::size_t>(i)].track = i;
+  Innovation of_rig = solved;
+  std::vector<LeaveOneOut> nis;
   nis_given_others(solved, nis);
   ASSERT_EQ(nis.size(), kMatches);
   for (Eigen::Index i = 0; i < kMatches; ++i) {
     const double expected = nis_of_leave_one_out(S, nu, i);
-    EXPECT_NEAR(nis[static_cast<std::size_t>(i)], expected, 1e-9 * expected);
+    EXPECT_NEAR(nis[static_cast<std::size_t>(i)].nis, expected, 1e-9 * expected);
+    EXPECT_EQ(nis[static_cast<std::size_t>(i)].pixels, 1);
   }
+  // The last two are of one landmark: what remains of them given the first five.
+  of_rig.matches.back() = of_rig.matches[kMatches - 2];
+  nis_given_others(of_rig, nis);
+  ASSERT_EQ(nis.size(), kMatches - 1);
+  const Eigen::Index others = kRows - 4;
+  const Eigen::MatrixXd gain =
+      S.bottomLeftCorner(4, others) *
+      S.topLeftCorner(others, others).llt().solve(Eigen::MatrixXd::Identity(others, others));
+  const Eigen::Vector4d rest = nu.tail(4) - gain * nu.head(others);
+  const Eigen::Matrix4d of_rest = S.bottomRightCorner(4, 4) - gain * S.topRightCorner(others, 4);
+  const double expected = rest.dot(of_rest.llt().solve(rest));
+  EXPECT_NEAR(nis.back().nis, expected, 1e-8 * expected);
+  EXPECT_EQ(nis.back().pixels, 2);
 }
 
 }  // namespace

@@ -156,7 +156,7 @@ Sequence points_seen(bool some_move, const std::function<PixelNoise(int track)>&
     if (some_move && i % 5 == 0) velocities.back() = {0.05, 0.03 * unit(engine), 0.0};
   }
   for (int k = 0; k < 40; ++k) {
-    Frame frame{k, 0.1 * k, {}};
+    Frame frame{k, 0.1 * k, {}, {}};
     const Eigen::Vector3d camera(0.03 * k, 0.01 * k, 0.02 * k);
     for (int i = 0; i < 80; ++i) {
       const auto p = static_cast<size_t>(i);

@@ -55,10 +55,16 @@ Camera camera_with(std::string_view lens, std::vector<double> distortion) {
   return {752, 480, 420.5, 420.6, 355.2, 250.3, make_lens(lens, distortion)};
 }
 
+// Beside camera 0, a little turned.
+MountedCamera mounted(const Camera& camera) {
+  return {camera, exp_so3<double>({0.05, -0.1, 0.2}), {0.3, -0.1, 0.05}};
+}
+
 class ObservationJacobians : public testing::TestWithParam<Camera> {};
 
 template <PointParametrisation P>
-void expect_jacobians_of_the_pixel(const Camera& camera) {
+void expect_jacobians_of_the_pixel(const MountedCamera& mounted) {
+  const Camera& camera = mounted.lens;
   constexpr int N = 12;  // position 3, rotation 3, anchor 3, y 3
   constexpr PointFunctions kPoint = point_row<P>();
   Random random;
@@ -67,10 +73,11 @@ void expect_jacobians_of_the_pixel(const Camera& camera) {
     const CameraState x = random_camera(random);
     Eigen::Vector3d anchor = random.vector(2.0), y = random_point<P>(random);
     if (tested % 3 == 0) anchor = x.position;  // as in the frame of its birth
-    const Eigen::Vector3d ray =
-        ray_camera(x.position, x.orientation, anchor, P::direction(y), P::inverse_depth(y));
+    const Eigen::Vector3d ray = mounted.ray(
+        ray_camera(x.position, x.orientation, anchor, P::direction(y), P::inverse_depth(y)),
+        P::inverse_depth(y));
     if (ray.z() < 0.3 * ray.norm()) continue;  // 72 degrees: beyond the border of any image here
-    const auto z = observe(camera, kPoint, x.position, x.orientation, anchor, y);
+    const auto z = observe(mounted, kPoint, x.position, x.orientation, anchor, y);
     ASSERT_TRUE(z);
     Vector3<Jet<N>> r, a, y_jet, d;
     for (int i = 0; i < 3; ++i) {
@@ -80,8 +87,11 @@ void expect_jacobians_of_the_pixel(const Camera& camera) {
       y_jet(i) = Jet<N>(y(i), 9 + i);
     }
     const Eigen::Quaternion<Jet<N>> R(x.orientation.cast<Jet<N>>() * exp_so3(d));
+    // The same from the camera's own pose, r + R t and R R_c.
+    const Eigen::Quaternion<Jet<N>> R_c = R * mounted.R.cast<Jet<N>>();
+    const Vector3<Jet<N>> r_c = r + R * Vector3<Jet<N>>(mounted.t.cast<Jet<N>>());
     const Vector3<Jet<N>> ray_jet =
-        ray_camera(r, R, a, P::direction(y_jet), P::inverse_depth(y_jet));
+        ray_camera(r_c, R_c, a, P::direction(y_jet), P::inverse_depth(y_jet));
     const Vector2<Jet<N>> plane(ray_jet.x() / ray_jet.z(), ray_jet.y() / ray_jet.z());
     const Vector2<Jet<N>> distorted =
         std::visit([&](const auto& lens) { return lens.distort(plane); }, camera.lens);
@@ -96,12 +106,14 @@ void expect_jacobians_of_the_pixel(const Camera& camera) {
 }
 
 template <typename... P>
-void expect_jacobians_of_every_pixel(const Camera& camera, const std::tuple<P...>*) {
+void expect_jacobians_of_every_pixel(const MountedCamera& camera, const std::tuple<P...>*) {
   (expect_jacobians_of_the_pixel<P>(camera), ...);
 }
 
 TEST_P(ObservationJacobians, PixelOfALandmark) {
-  expect_jacobians_of_every_pixel(GetParam(), static_cast<const PointParametrisations*>(nullptr));
+  for (const MountedCamera& camera : {MountedCamera(GetParam()), mounted(GetParam())}) {
+    expect_jacobians_of_every_pixel(camera, static_cast<const PointParametrisations*>(nullptr));
+  }
 }
 
 // The camera's plane is a pole of h, where Jacobians grow beyond what can be eliminated. A fisheye

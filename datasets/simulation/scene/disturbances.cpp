@@ -54,6 +54,7 @@ void disturb(const DisturbanceOptions& options, std::uint64_t seed, Sequence& se
   for (Frame& frame : sequence.frames) {
     if (2.0 * std::abs(frame.timestamp - middle) <= options.empty && options.empty > 0.0) {
       frame.observations.clear();
+      frame.other_views.clear();
     }
   }
   for (size_t i = sequence.frames.size() / 2; i < sequence.frames.size(); ++i) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "datasets/simulation/random/random_stream.h"
+#include "datasets/simulation/scene/second_view.h"
 
 namespace slammot {
 
@@ -19,6 +20,9 @@ Parameters parameters(RecordingOptions& o) {
       {"stated_noise", "sigma of the pixel noise stated [px]; as noise", &o.stated_noise, kAbove0},
       {"min_depth", "nearest z at which a point is seen [m]", &o.min_depth, kAbove0},
       {"max_depth", "furthest z at which a point is seen [m]", &o.max_depth, kAbove0},
+      {"stereo", "baseline of a second camera, to the right [m]; 0: none", &o.stereo, 0},
+      {"depth_sigma", "of a depth measured at a point's first pixel [m]; 0: none", &o.depth_sigma,
+       0},
   };
 }
 
@@ -103,7 +107,7 @@ Sequence record(const RecordingOptions& options, const std::vector<CameraState>&
   Sequence sequence = blank_sequence(options);
   Eigen::AlignedBox3d box;
   for (int i = 0; i < options.frames; ++i) {
-    sequence.frames.push_back({i, options.time(i), {}});
+    sequence.frames.push_back({i, options.time(i), {}, {}});
     sequence.truth.emplace_back(trajectory[static_cast<size_t>(i)]);
     box.extend(sequence.truth.back()->position);
   }
@@ -115,6 +119,8 @@ Sequence record(const RecordingOptions& options, const std::vector<CameraState>&
     const FrameRange range = within_reach(point, box.center(), reach, options);
     record_point(options, point, range, noise, sequence);
   }
+  add_second_view(options, seed, sequence);
+  add_depths(options, seed, sequence);
   return sequence;
 }
 

@@ -19,6 +19,8 @@ struct RecordingOptions {
   double noise = 1.0;                  // simulated [px]
   std::optional<double> stated_noise;  // as `noise` when not set
   double min_depth = 0.5, max_depth = 12.0;
+  double stereo = 0.0;       // baseline of a second camera [m]; 0: none
+  double depth_sigma = 0.0;  // of a depth at a point's first pixel [m]; 0: none
 
   double dt() const { return 1.0 / rate; }
   double time(int frame) const { return frame / rate; }

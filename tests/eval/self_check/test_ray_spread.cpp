@@ -19,7 +19,7 @@ double spread_of_line(const Camera& camera, double angle, double across, double 
                       double uneven = 1.0) {
   std::mt19937 generator(1);
   std::normal_distribution<double> noise(0.0, 0.5);
-  Frame frame{7, 0.0, {}};
+  Frame frame{7, 0.0, {}, {}};
   std::vector<LandmarkEstimate> measured;
   for (int track = 0; track < 200; ++track) {
     const double along = -1.0 + 0.01 * track, beside = track % 2 == 0 ? across : -across;
@@ -66,7 +66,7 @@ TEST(RaySpread, IsInTheSigmaOfTheEstimator) {
 }
 
 TEST(RaySpread, OfNothingIsUndefined) {
-  EXPECT_TRUE(std::isnan(ray_spread(Camera{}, 1.0, Frame{7, 0.0, {}}, {})));
+  EXPECT_TRUE(std::isnan(ray_spread(Camera{}, 1.0, Frame{7, 0.0, {}, {}}, {})));
 }
 
 }  // namespace
