@@ -98,11 +98,12 @@ void describe(const std::vector<PosePair>& pairs, AlignBy by, RunAlignment& done
         "their errors have in common: NEES is no verdict",
         done.fitted, 6 * done.poses, done.poses);
   } else if (done.verdict) {
-    done.note += "whose error is zero and left out; its covariance is that of a pose held fixed";
+    done.note +=
+        "a pose whose error is zero and left out; its covariance is that of one held fixed";
   } else {
     done.note +=
-        "whose error is zero and left out, but not its covariance, if there is one: NEES is no "
-        "verdict";
+        "a pose whose error is zero and left out, but not its covariance, if it has one: NEES is "
+        "no verdict";
   }
 }
 

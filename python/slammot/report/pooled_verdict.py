@@ -109,7 +109,7 @@ def consistency_of(e):
         return f"{e.name} has no ANEES: some of its covariances are not positive definite."
     text = f"ANEES of the {part} {between({'value': a['mean'], **{k: a[k] for k in ('lower', 'upper')}}, '')} ({a['dof']} expected)"
     if a.get("no_verdict"):
-        return f"{e.name}: {text}, {a['no_verdict']}."
+        return f"{e.name}: {text}: no verdict, as runs were aligned (above)."
     if a["lower"] is None:
         return f"{e.name}: {text}; {FEW} decide nothing."
     word = {"over": "overconfident", "under": "conservative", "": NOT_DECIDED}[anees_class(a)]

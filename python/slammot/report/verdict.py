@@ -194,7 +194,7 @@ def consistency_of(run):
     if poses is not None and poses < FEWEST_JUDGED:
         return f"{run.name} has a mean pose NEES of {6 * ratio:.3g} (6 expected) over {poses} poses: too few for a verdict."
     if run.alignment and not run.alignment["verdict"]:
-        return f"{run.name} has a mean pose NEES of {6 * ratio:.3g}, {run.alignment['note']}."
+        return f"{run.name} has a mean pose NEES of {6 * ratio:.3g}: no verdict, as it was aligned (above)."
     text = (f"{run.name} is {judged(ratio)}: mean pose NEES {6 * ratio:.3g} (6 expected)")
     if coverage is not None:
         text += f", {100 * coverage:.0f}% of the frames in the 95% interval"
