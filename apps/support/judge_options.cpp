@@ -32,7 +32,6 @@ void add_judge_options(CLI::App& command, JudgeArguments& arguments) {
       .add_option("--align", arguments.align,
                   "before errors and NEES, to the truth: by the first pose, or a fit of all "
                   "positions (none)")
-      ->type_name("none|first|se3|sim3")
       ->check(CLI::IsMember(kAlignments));
   command
       .add_option("--time-offset", arguments.time_offset,

@@ -163,7 +163,7 @@ Json json_of(const RunAlignment& a) {
   return {{"by", a.by},
           {"poses", a.poses},
           {"fitted", a.fitted},
-          {"degrees_of_freedom_left", 6 * a.poses - a.fitted},
+          {"degrees_of_freedom_left", std::int64_t{6} * a.poses - a.fitted},
           {"verdict", a.verdict},
           {"note", a.note},
           {"scale", a.scale},

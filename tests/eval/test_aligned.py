@@ -189,6 +189,10 @@ class Align(Program):
         self.assertIn("mine: aligned by sim3, ", said)
         self.assertEqual(again["alignment"], json.loads((page / "mine" / "metrics.json").read_text())["alignment"])
         self.assertRegex(self.evaluate(page / "mine", "--align", "se3", code=2), r"mine: is stored aligned by sim3, ")
+        good = json.loads((page / "mine" / "metrics.json").read_text())
+        for wrong in ({"poses": -1}, {"rotation": [1, 2]}, {"verdict": "no"}, {"scale": None}, {"translation": {}}):
+            (page / "mine" / "metrics.json").write_text(json.dumps(good | {"alignment": good["alignment"] | wrong}))
+            self.assertRegex(self.evaluate(page / "mine", code=2), r"metrics\.json: ")
 
     def test_what_shows_no_rotation_is_refused(self):
         line = [(q, (1.0 + 0.1 * t) * np.array([1.0, 2.0, 3.0])) for t, (q, _) in zip(self.times, self.truth)]
