@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "datasets/text/text_table.h"
 #include "eval/output/run_files.h"
 
 namespace slammot {
@@ -27,6 +28,11 @@ void add_judge_options(CLI::App& command, JudgeArguments& arguments) {
                   "of poses of a body made elsewhere: a file with T_BC, the camera in the body, as "
                   "tx ty tz qx qy qz qw")
       ->type_name("FILE");
+  command
+      .add_option("--align", arguments.align,
+                  "before errors and NEES, to the truth: by the first pose, or a fit of all "
+                  "positions (none)")
+      ->check(CLI::IsMember(kAlignments));
   command
       .add_option("--time-offset", arguments.time_offset,
                   "added to the times of runs made elsewhere")
@@ -56,7 +62,7 @@ void refuse_idle_options(const JudgeArguments& arguments, const std::vector<Judg
         "are slammot's own, or stored by `report`, which has converted them");
   }
   const bool converted = std::ranges::any_of(runs, [](const auto& run) {
-    return !run.stored.own && std::filesystem::exists(run.path / run_files::kPoseCovariance);
+    return !run.stored.own && is_there(run.path / run_files::kPoseCovariance);
   });
   if (arguments.convention != JudgeArguments{}.convention && !converted) {
     throw std::invalid_argument(
@@ -81,6 +87,7 @@ std::vector<JudgedRun> judged(const JudgeArguments& arguments) {
   if (!arguments.extrinsics.empty()) {
     options.foreign.T_body_camera = read_extrinsics(arguments.extrinsics);
   }
+  options.align = kAlignments.at(arguments.align);
   options.force_sequence = arguments.force_sequence;
   Judge judge(options);
   std::vector<JudgedRun> runs;

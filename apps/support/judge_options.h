@@ -14,6 +14,7 @@ struct JudgeArguments {
   std::vector<std::string> against;
   std::string convention = "position-first,right,global";
   std::string extrinsics;  // file
+  std::string align = "none";
   double time_offset = 0.0;
   double max_difference = 0.0;
   bool force_sequence = false;

@@ -29,7 +29,7 @@ class Folder {
     return source;
   }
   std::optional<Source> optional(std::string_view name) {
-    if (!std::filesystem::exists(path_ / name)) return std::nullopt;
+    if (!is_there(path_ / name)) return std::nullopt;
     return required(name);
   }
   std::string sha256() const { return hash_.hex(); }
@@ -113,8 +113,7 @@ Sequence read_native_images(const std::filesystem::path& path) {
 }
 
 bool is_native(const std::filesystem::path& folder) {
-  return std::filesystem::exists(folder / native::kSettings) ||
-         std::filesystem::exists(folder / native::kFrames);
+  return is_there(folder / native::kSettings) || is_there(folder / native::kFrames);
 }
 
 }  // namespace slammot

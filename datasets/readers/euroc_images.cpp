@@ -81,7 +81,7 @@ Sequence read_euroc(const Path& folder) {
   sequence.camera = sensor.camera;
   for (const char* name : {"state_groundtruth_estimate0", "mocap0"}) {
     const Path truth = mav / name / "data.csv";
-    if (!std::filesystem::exists(truth)) continue;
+    if (!is_there(truth)) continue;
     sequence.truth = true_cameras(read_body_poses(truth, sensor.T_body_camera), sequence.frames);
     break;
   }

@@ -39,7 +39,7 @@ std::optional<Path> poses_file(const Sequence& sequence) {
   const Path published = std::filesystem::absolute(sequence.folder / "..").lexically_normal();
   for (const Path& file :
        {sequence.folder / "poses.txt", published / ".." / "poses" / (sequence.name + ".txt")}) {
-    if (std::filesystem::exists(file)) return file;
+    if (is_there(file)) return file;
   }
   return std::nullopt;
 }

@@ -47,7 +47,7 @@ Sequence read_tum_rgbd(const std::filesystem::path& folder) {
   }
   require_frames(file, sequence);
   const std::filesystem::path truth = folder / "groundtruth.txt";
-  if (std::filesystem::exists(truth)) {
+  if (is_there(truth)) {
     sequence.truth = true_cameras(read_poses(truth, read_text_file(truth)), sequence.frames);
   }
   return sequence;

@@ -1,11 +1,13 @@
 #include "datasets/text/text_table.h"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <memory>
 
 #include "datasets/text/input_error.h"
 
@@ -14,11 +16,35 @@ namespace {
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 30;  // of a file that is read whole
 
+std::filesystem::path packed(std::filesystem::path file) { return file += ".gz"; }
+
+std::string unpacked(const std::filesystem::path& file) {
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> stream(gzopen(file.c_str(), "rb"), gzclose);
+  if (!stream) throw InputError(file, 0, "cannot be read");
+  std::string text;
+  char part[1 << 16];
+  int got = 0, fault = Z_OK;
+  while (text.size() <= kMostBytes && (got = gzread(stream.get(), part, sizeof part)) > 0) {
+    text.append(part, static_cast<std::size_t>(got));
+  }
+  gzerror(stream.get(), &fault);  // also of a file that ends too early
+  if (got < 0 || fault < 0) throw InputError(file, 0, "cannot be unpacked: damaged or cut off");
+  if (text.size() > kMostBytes) throw InputError(file, 0, "cannot be read: larger than 4 GiB");
+  return text;
+}
+
 }  // namespace
+
+bool is_there(const std::filesystem::path& file) {
+  return std::filesystem::exists(file) || std::filesystem::exists(packed(file));
+}
 
 std::string read_text_file(const std::filesystem::path& file) {
   std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) throw InputError(file, 0, "no such file");
+  if (!std::filesystem::exists(file, ignored)) {
+    if (!std::filesystem::exists(packed(file), ignored)) throw InputError(file, 0, "no such file");
+    return read_text_file(packed(file));
+  }
   if (!std::filesystem::is_regular_file(file, ignored)) {
     throw InputError(file, 0, "cannot be read: not a regular file");  // a pipe would block
   }
@@ -31,7 +57,7 @@ std::string read_text_file(const std::filesystem::path& file) {
     stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   }
   if (!stream) throw InputError(file, 0, "cannot be read");
-  return text;
+  return text.starts_with("\x1f\x8b") ? unpacked(file) : text;
 }
 
 std::string_view without_byte_order_mark(std::string_view text) {

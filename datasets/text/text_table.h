@@ -15,8 +15,11 @@
 namespace slammot {
 
 // The content of a file; throws InputError if it is missing, is a pipe or a folder, cannot be read,
-// or has more than 4 GiB.
+// or has more than 4 GiB. What gzip has packed is unpacked, also FILE.gz where only that is there.
 std::string read_text_file(const std::filesystem::path& file);
+
+// Plain or packed.
+bool is_there(const std::filesystem::path& file);
 
 // Without the three bytes with which some editors begin a file of UTF-8.
 std::string_view without_byte_order_mark(std::string_view text);

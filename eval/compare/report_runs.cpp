@@ -8,6 +8,7 @@
 
 #include "datasets/output/output_files.h"
 #include "datasets/output/output_folder.h"
+#include "datasets/text/text_table.h"
 #include "eval/compare/comparison_json.h"
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_json.h"
@@ -117,8 +118,7 @@ void require_room(const JudgedRun& run, const Path& folder) {
 void write_description(const JudgedRun& run, const Path& folder) {
   const Path file = folder / run_files::kDescription;
   if (run.stored.own) {
-    std::filesystem::copy_file(run.path / run_files::kDescription, file,
-                               std::filesystem::copy_options::overwrite_existing);
+    write_file(file, read_text_file(run.path / run_files::kDescription));
     return;
   }
   // JSON is YAML, and quotes whatever a name may hold.

@@ -1,8 +1,8 @@
 // Trajectory alignment (Umeyama 1991): the similarity S with truth ~ scale R estimate + t that
 // minimises the squared distances, with the scale free (Sim(3)) or one (SE(3)).
 //
-// Alignment is for accuracy only. Nothing here touches a covariance: an alignment uses up degrees
-// of freedom of the error and would make any NEES after it too small.
+// Nothing here touches a covariance: what an alignment leaves of NEES is another matter
+// (trajectory/align_run.h).
 #pragma once
 
 #include <Eigen/Core>

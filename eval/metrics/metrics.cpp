@@ -69,6 +69,10 @@ std::map<int, TrajectoryMetrics> by_lag(const Sequence& sequence, const RunResul
 void judge_landmarks(const Sequence& sequence, const RunResult& run, RunMetrics& metrics) {
   metrics.landmark_errors.reason = metrics.landmark_consistency.reason = "no true landmarks";
   if (sequence.landmarks.empty()) return;
+  if (run.landmarks.empty() && !run.in_force) {  // of one made elsewhere
+    metrics.landmark_errors.reason = metrics.landmark_consistency.reason = "no estimated landmarks";
+    return;
+  }
   const LandmarkMetrics judged = landmark_metrics(sequence, run.landmarks);
   metrics.landmark_errors = {judged.errors, ""};
   metrics.landmark_consistency.reason = kInexact;
@@ -129,6 +133,7 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
   metrics.diverged = run.diverged;
   metrics.warnings = run.warnings;
   metrics.in_force = run.in_force;
+  metrics.alignment = run.alignment;
   metrics.filtered = trajectory_metrics(sequence, run, run.filtered);
   metrics.batch = run.batch;
   if (run.batch || !run.smoothed.empty()) {

@@ -56,7 +56,8 @@ struct RunMetrics {
   std::optional<Divergence> diverged;
   std::vector<RunWarning> warnings;
   std::optional<InForce> in_force;  // see RunResult
-  std::optional<int> failed;        // the first frame that failed, see failed_at()
+  std::optional<RunAlignment> alignment;
+  std::optional<int> failed;  // the first frame that failed, see failed_at()
   TrajectoryMetrics filtered;
   std::optional<TrajectoryMetrics> smoothed;  // of an estimator that smooths
   bool batch = false;                         // see RunResult

@@ -42,17 +42,20 @@ void put_reason(Json& json, const std::string& name, const Known<T>& known) {
   json[name + "_reason"] = known.reason;
 }
 
-void put_interval(Json& json, const NeesSummary& s) {
-  json["single_run_interval_95"] = {s.lower, s.upper};
+// Of one part of the error, with the reason where nothing of it was judged.
+void put_interval(Json& nees, const char* part, const NeesSummary& s) {
+  nees[part]["single_run_interval_95"] = {s.lower, s.upper};
+  if (s.used == 0)
+    nees[part]["reason"] = "no sample: no covariance, no true value, or no pose but the first";
 }
 
 void put_series(Json& nees, const PoseConsistency& c) {
   nees["error"] = "[dr (W), dtheta (C, right)]";
   nees["excluded"] = "the first judged pose";
   nees["note"] = "frames of one run are correlated: fraction_inside is descriptive";
-  put_interval(nees["pose"], c.pose);
-  put_interval(nees["position"], c.position);
-  put_interval(nees["rotation"], c.rotation);
+  put_interval(nees, "pose", c.pose);
+  put_interval(nees, "position", c.position);
+  put_interval(nees, "rotation", c.rotation);
   nees["series_columns"] = {"frame", "timestamp", "pose", "position", "rotation"};
   nees["series"] = Json::array();
   for (const PoseNees& s : c.series) {
@@ -153,6 +156,36 @@ void restore_scale(const Json& metrics, ScaleInformation& scale) {
   scale.last = scale.stated * number("last");
 }
 
+Json json_of(const RunAlignment& a) {
+  const auto row = [&](int i) {
+    return Json{a.rotation(i, 0), a.rotation(i, 1), a.rotation(i, 2)};
+  };
+  return {{"by", a.by},
+          {"poses", a.poses},
+          {"fitted", a.fitted},
+          {"degrees_of_freedom_left", std::int64_t{6} * a.poses - a.fitted},
+          {"verdict", a.verdict},
+          {"note", a.note},
+          {"scale", a.scale},
+          {"rotation", {row(0), row(1), row(2)}},
+          {"translation", {a.translation(0), a.translation(1), a.translation(2)}}};
+}
+
+RunAlignment alignment_of(const Json& json) {
+  RunAlignment a;
+  a.by = printable(json.at("by").get<std::string>());
+  a.poses = count_of(json.at("poses"));
+  a.fitted = count_of(json.at("fitted"));
+  a.verdict = json.at("verdict").get<bool>();
+  a.note = printable(json.at("note").get<std::string>());
+  a.scale = json.at("scale").get<double>();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) a.rotation(i, j) = json.at("rotation").at(i).at(j).get<double>();
+    a.translation(i) = json.at("translation").at(i).get<double>();
+  }
+  return a;
+}
+
 // The numbers are added up.
 void require_countable(const MeasurementCounts& counts) {
   count_of(std::int64_t{counts.accepted} + counts.rejected + counts.out_of_view);
@@ -189,6 +222,7 @@ Json metrics_json(const RunMetrics& m) {
   json["divergence"] = json_of(m.diverged);
   json["warnings"] = json_of(m.warnings);
   if (m.in_force) json["in_force"] = json_of(*m.in_force);
+  if (m.alignment) json["alignment"] = json_of(*m.alignment);
   json["failed"] = m.failed.has_value();
   json["failed_at"] = m.failed ? Json(*m.failed) : Json();
   json["filtered"] = trajectory_json(m.filtered);
@@ -197,8 +231,8 @@ Json metrics_json(const RunMetrics& m) {
   put_reason(json, "landmark_errors", m.landmark_errors);
   put_reason(json, "landmark_nees", m.landmark_consistency);
   if (m.landmark_consistency.value) {
-    put_interval(json["landmark_nees"]["position"], m.landmark_consistency.value->position);
-    put_interval(json["landmark_nees"]["velocity"], m.landmark_consistency.value->velocity);
+    put_interval(json["landmark_nees"], "position", m.landmark_consistency.value->position);
+    put_interval(json["landmark_nees"], "velocity", m.landmark_consistency.value->velocity);
   }
   json["coverage"] = json_of(m.measurements);
   json["runtime"]["stages"] = stages_json(m.runtime);
@@ -223,6 +257,7 @@ void restore_totals(const Json& metrics, RunResult& run) {
   run.diverged = divergence_of(metrics.at("divergence"));
   run.warnings = warnings_of(metrics.at("warnings"));
   if (metrics.contains("in_force")) run.in_force = in_force_of(metrics["in_force"]);
+  if (metrics.contains("alignment")) run.alignment = alignment_of(metrics["alignment"]);
 }
 
 Json values_json(const std::vector<MetricValue>& values,

@@ -137,6 +137,19 @@ std::string reasons(const std::vector<NamedMetrics>& results) {
   return text;
 }
 
+// How runs were aligned: a line for each way.
+std::string alignments(const std::vector<NamedMetrics>& results) {
+  std::map<std::string, std::string> labels_of;
+  for (const NamedMetrics& r : results) {
+    if (!r.metrics.alignment) continue;
+    std::string& labels = labels_of[r.metrics.alignment->note];
+    labels += (labels.empty() ? "" : ", ") + r.label;
+  }
+  std::string text;
+  for (const auto& [note, labels] : labels_of) text += labels + ": " + note + ".\n";
+  return text;
+}
+
 }  // namespace
 
 std::string aligned(const std::vector<TextRow>& rows, std::size_t names) {
@@ -186,7 +199,7 @@ std::string metrics_table(const std::vector<NamedMetrics>& results) {
   };
   const bool nees = has(of_trajectories.front(), expects("NEES ("));
   const bool nis = own && has(of_runs.front(), expects("NIS ("));
-  text += reasons(results);
+  text += alignments(results) + reasons(results);
   if (nees || nis) text += "In parentheses: the mean of a consistent estimator.\n";
   if (nees) {
     text += "NEES of one run is a mean over correlated frames, without the first.\n";

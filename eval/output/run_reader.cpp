@@ -47,7 +47,7 @@ bool begins_with_heading(TextTable table) {
 // The rows of a CSV file of a run, below its comments and its heading; none without the file.
 void for_each_row(const Path& file, size_t columns,
                   const std::function<void(const TextTable& row)>& visit) {
-  if (!std::filesystem::exists(file)) return;
+  if (!is_there(file)) return;
   const std::string text = read_text_file(file);
   TextTable table(file, text);
   table.pass_comments();
@@ -73,22 +73,24 @@ Matrix6d whole_at(const TextTable& row, size_t first) {
 
 constexpr size_t kTriangle = 1 + 21, kWhole = 1 + 36;  // fields with a time before them
 
-size_t covariance_fields(const Path& file) {
+// How many fields between commas the first row has, if it has one of these numbers; else the first.
+size_t fields_of(const Path& file, std::initializer_list<size_t> known) {
+  if (!is_there(file)) return *known.begin();
   const std::string text = read_text_file(file);
   TextTable table(file, text);
   table.pass_comments();
   if (begins_with_heading(table)) table.pass_line();
   table.pass_comments();
-  if (!table.next_blank_row()) return kTriangle;
-  size_t commas = 0;
-  for (size_t i = 0; i < table.fields(); ++i) commas += std::ranges::count(table.field(i), ',');
-  return commas + 1 == kWhole ? kWhole : kTriangle;
+  if (!table.next_blank_row()) return *known.begin();
+  size_t fields = 1;
+  for (size_t i = 0; i < table.fields(); ++i) fields += std::ranges::count(table.field(i), ',');
+  return std::ranges::find(known, fields) == known.end() ? *known.begin() : fields;
 }
 
 void read_covariances(const Path& file, bool own, std::vector<CameraEstimate>& cameras) {
-  if (!std::filesystem::exists(file)) return;
+  if (!is_there(file)) return;
   size_t count = 0;
-  const size_t fields = covariance_fields(file);
+  const size_t fields = fields_of(file, {kTriangle, kWhole});
   for_each_row(file, fields, [&](const TextTable& row) {
     if (count == cameras.size()) row.refuse("there are more rows than poses");
     CameraEstimate& camera = cameras[count++];
@@ -107,16 +109,20 @@ void read_covariances(const Path& file, bool own, std::vector<CameraEstimate>& c
 }  // namespace
 
 std::vector<LandmarkRecord> read_landmark_rows(const Path& file) {
+  // Velocity (3) and both covariances (6 each) may be left out; what is not stated stays NaN.
+  const size_t fields = fields_of(file, {21, 6, 9, 12, 15});
+  const bool moves = fields != 6 && fields != 12;
+  const size_t covariance = moves ? 9 : 6;
   std::vector<LandmarkRecord> records;
-  for_each_row(file, 21, [&](const TextTable& row) {
+  for_each_row(file, fields, [&](const TextTable& row) {
     LandmarkRecord record;
     record.estimate.track = row.count(0);
     record.frame = row.count(1);
     record.estimate.label = label_at(row, 2);
     record.estimate.position = vector_or_nan_at(row, 3);
-    record.estimate.velocity = vector_or_nan_at(row, 6);
-    record.estimate.position_covariance = symmetric_at<3>(row, 9);
-    record.estimate.velocity_covariance = symmetric_at<3>(row, 15);
+    if (moves) record.estimate.velocity = vector_or_nan_at(row, 6);
+    if (fields > 9) record.estimate.position_covariance = symmetric_at<3>(row, covariance);
+    if (fields > 15) record.estimate.velocity_covariance = symmetric_at<3>(row, 15);
     records.push_back(record);
   });
   return records;
@@ -189,7 +195,7 @@ std::string reason_of(const nlohmann::json::exception& error) {
 }
 
 void read_metrics(const Path& file, RunResult& run) {
-  if (!std::filesystem::exists(file)) return;
+  if (!is_there(file)) return;
   const std::string text = read_text_file(file);
   try {
     restore_totals(nlohmann::ordered_json::parse(text), run);
@@ -223,7 +229,7 @@ std::string text_at(const YAML::Node& map, const char* key) {
 }
 
 void read_description(const Path& file, StoredRun& stored) {
-  if (!std::filesystem::exists(file)) return;
+  if (!is_there(file)) return;
   try {
     const YAML::Node root = load_yaml_node(file, read_text_file(file));
     if (!root.IsMap()) throw InputError(file, 1, "must be a map of keys to values");
@@ -260,7 +266,7 @@ StoredRun read_run(const Path& folder) {
   read_description(folder / run_files::kDescription, stored);
   run.filtered = read_tum(folder / run_files::kTrajectory);
   read_covariances(folder / run_files::kPoseCovariance, stored.own, run.filtered);
-  if (std::filesystem::exists(folder / run_files::kTrajectorySmoothed)) {
+  if (is_there(folder / run_files::kTrajectorySmoothed)) {
     run.smoothed = read_tum(folder / run_files::kTrajectorySmoothed);
     read_covariances(folder / run_files::kPoseCovarianceSmoothed, stored.own, run.smoothed);
   }

@@ -90,6 +90,19 @@ struct RunWarning {
   std::string reason;
 };
 
+// How `--align` has brought a run to the truth (trajectory/align_run.h): r_true is about
+// scale rotation r_estimated + translation.
+struct RunAlignment {
+  std::string by;
+  int poses = 0;
+  int fitted = 0;        // degrees of freedom of the alignment
+  bool verdict = false;  // whether NEES still tells a consistent estimator from others
+  std::string note;      // that in words
+  double scale = 1.0;
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+};
+
 struct RunResult {
   int frames_offered = 0;
   std::vector<int> frames;                // index of each frame done
@@ -115,6 +128,7 @@ struct RunResult {
   std::optional<Divergence> diverged;
   std::vector<RunWarning> warnings;
   std::optional<InForce> in_force;  // empty: the estimator states none; unset: made elsewhere
+  std::optional<RunAlignment> alignment;
 
   // What the run is judged by.
   const std::vector<CameraEstimate>& judged() const { return batch ? smoothed : filtered; }

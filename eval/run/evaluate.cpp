@@ -76,8 +76,7 @@ StoredRun read_any(const Path& path, const Sequence& sequence) {
 }
 
 // Returns the median difference of their times, in seconds.
-double place_in_time(const Path& path, const Sequence& sequence, const TimeMatching& times,
-                     RunResult& run) try {
+double place_in_time(const Sequence& sequence, const TimeMatching& times, RunResult& run) {
   PlacedEstimates placed = at_frames(run.filtered, sequence.frames, times);
   run.filtered = std::move(placed.estimates);
   run.frames = std::move(placed.frames);
@@ -85,8 +84,6 @@ double place_in_time(const Path& path, const Sequence& sequence, const TimeMatch
     run.smoothed = at_frames(run.smoothed, sequence.frames, times).estimates;
   }
   return placed.median_difference;
-} catch (const std::invalid_argument& error) {
-  throw InputError(path, 0, error.what());
 }
 
 // Accuracy and NEES are over the frames that have a pose: few can hide a large error.
@@ -128,32 +125,39 @@ void take_as_stated(const Sequence& sequence, const ErrorConvention& convention,
   convert_covariances(convention, run.smoothed);
 }
 
-// The same of a body's poses, whose covariances are about its error: the camera's are judged.
-void take_as_of_body(const Sequence& sequence, const ErrorConvention& convention,
-                     const Eigen::Isometry3d& T_body_camera, RunResult& run) {
+// The same of poses that are not judged where they are: a body's, whose covariances are about its
+// error, and those that are aligned.
+void take_as_moved(const Sequence& sequence, const ErrorConvention& convention,
+                   const JudgeOptions& options, RunResult& run) {
   for (auto* cameras : {&run.filtered, &run.smoothed}) {
     convert_covariances(convention, *cameras);
-    for (CameraEstimate& camera : *cameras) to_camera(T_body_camera, camera);
+    if (!options.foreign.T_body_camera) continue;
+    for (CameraEstimate& camera : *cameras) to_camera(*options.foreign.T_body_camera, camera);
   }
-  add_hint(other_poses(pair_with_truth(sequence, run.filtered), sequence.exact_truth),
-           run.warnings);
+  // What is to be aligned is in nobody's world, as of measured truth.
+  const bool in_true_world = sequence.exact_truth && options.align == AlignBy::kNone;
+  add_hint(other_poses(pair_with_truth(sequence, run.filtered), in_true_world), run.warnings);
+  align_run(sequence, options.align, run);
 }
 
 // Brings the poses to the frames and says what of them is hardly meant.
-void hint_at(const Path& path, const Sequence& sequence, const ForeignOptions& foreign,
-             StoredRun& stored) {
+void hint_at(const Path& path, const Sequence& sequence, const JudgeOptions& options,
+             StoredRun& stored) try {
+  const ForeignOptions& foreign = options.foreign;
   RunResult& run = stored.run;
   const std::string clue =
       unit_clue(run.filtered.front().timestamp, run.filtered.back().timestamp, sequence.frames);
   const double difference =
-      place_in_time(path, sequence, stored.own ? TimeMatching{} : foreign.times, run);
+      place_in_time(sequence, stored.own ? TimeMatching{} : foreign.times, run);
   take_truth_from(sequence, run);
-  if (!stored.own) {
+  if (stored.own) {
+    align_run(sequence, options.align, run);
+  } else {
     const bool is_folder = std::filesystem::is_directory(path);
     const ErrorConvention stated =
         is_folder ? stored.convention.value_or(foreign.convention) : ErrorConvention{};
-    if (foreign.T_body_camera) {
-      take_as_of_body(sequence, stated, *foreign.T_body_camera, run);
+    if (foreign.T_body_camera || options.align != AlignBy::kNone) {
+      take_as_moved(sequence, stated, options, run);
     } else {
       take_as_stated(sequence, stated, run);
     }
@@ -162,6 +166,8 @@ void hint_at(const Path& path, const Sequence& sequence, const ForeignOptions& f
   add_hint(few_poses(sequence, run, clue), run.warnings);
   add_hint(times_differ(sequence, difference), run.warnings);
   for (const std::string& hint : sequence.hints) add_hint(hint, run.warnings);
+} catch (const std::invalid_argument& error) {
+  throw InputError(path, 0, error.what());
 }
 
 // `against`, or what the run says that it was made from.
@@ -212,7 +218,7 @@ JudgedRun Judge::operator()(const Path& run, const std::optional<Path>& against)
     throw InputError(run / run_files::kDescription, 0,
                      *other + "; --force-sequence judges it all the same");
   }
-  hint_at(run, *judged.sequence, options_.foreign, judged.stored);
+  hint_at(run, *judged.sequence, options_, judged.stored);
   add_hint(other, judged.stored.run.warnings);
   judged.estimator = estimator_name(run, judged.stored);
   judged.metrics =

@@ -9,6 +9,7 @@
 #include "eval/metrics/pose_pairs.h"
 #include "eval/output/metrics_table.h"
 #include "eval/output/run_reader.h"
+#include "eval/trajectory/align_run.h"
 #include "eval/trajectory/error_convention.h"
 #include "eval/trajectory/extrinsics.h"
 
@@ -23,7 +24,8 @@ struct ForeignOptions {
 
 struct JudgeOptions {
   ForeignOptions foreign;
-  bool force_sequence = false;  // also another than run.yaml states by its SHA-256
+  AlignBy align = AlignBy::kNone;  // also runs of this program
+  bool force_sequence = false;     // also another than run.yaml states by its SHA-256
 };
 
 struct JudgedRun {

@@ -160,7 +160,7 @@ std::optional<std::string> other_world(const std::vector<PosePair>& pairs, const
   }
   return fmt::format(
       "another world: position and rotation RMSE {}, after SE(3) alignment {}{}; "
-      "NEES judges the frame, not the estimator",
+      "NEES judges the frame, not the estimator (--align)",
       in_numbers(read), in_numbers(world), body);
 }
 

@@ -9,7 +9,7 @@ from .estimator import (Camera, CameraEstimate, Diverged, Estimator, Frame, Fram
 
 __version__ = "0.2.0"  # of the program
 
-_LATER = {"evaluate": "judge.accuracy", "Evaluation": "judge.accuracy", "errors": "judge.accuracy", "align": "judge.accuracy",
+_LATER = {"evaluate": "judge.accuracy", "Evaluation": "judge.accuracy", "errors": "judge.accuracy", "align": "judge.alignment", "expected_nees": "judge.alignment", "Alignment": "judge.alignment",
           "nees": "judge.consistency", "anees": "judge.consistency", "Anees": "judge.consistency", "compare": "judge.paired",
           "Paired": "judge.paired", "holm": "judge.intervals", "Estimate": "judge.intervals", "read_run": "reading", "read_study": "reading", "read_sequence": "reading", "Run": "reading",
           "Sequence": "reading", "program": "program", "slammot": "program", "simulate": "program", "run": "program"}

@@ -1,4 +1,5 @@
 """What the program wrote, as pandas tables and numpy arrays."""
+import gzip
 import json
 import pathlib
 from dataclasses import dataclass, field
@@ -14,6 +15,8 @@ _TUM = ["timestamp", "x", "y", "z", "qx", "qy", "qz", "qw"]
 
 def _file(folder, name, required=True):
     file = pathlib.Path(folder, name)
+    if not file.is_file() and pathlib.Path(f"{file}.gz").is_file():
+        file = pathlib.Path(f"{file}.gz")
     if pathlib.Path(folder, ".slammot-replacing").exists():
         raise ValueError(f"{folder}: its files were being replaced when a program was stopped: write it again")
     if not file.is_file():
@@ -29,15 +32,20 @@ def _table(file, **how):
         return None
     try:
         return pandas.read_csv(file, float_precision="round_trip", **how)
-    except (ValueError, pandas.errors.ParserError) as error:
+    except (ValueError, EOFError, gzip.BadGzipFile, pandas.errors.ParserError) as error:
         raise ValueError(f"{file}: {error}") from None
+
+
+def _text(file):
+    with (gzip.open if file.suffix == ".gz" else open)(file, "rt", encoding="utf-8") as lines:
+        return lines.read()
 
 
 def _yaml(file):
     if file is None:
         return {}
     try:
-        return yaml.safe_load(file.read_text(encoding="utf-8"))
+        return yaml.safe_load(_text(file))
     except yaml.YAMLError as error:
         raise ValueError(f"{file}: {error}") from None
 
@@ -89,7 +97,7 @@ def read_run(folder):
                smoothed_covariance=covariances("pose_covariance_smoothed.csv"), landmarks=optional("landmarks.csv"),
                predictions=optional("predictions.csv"),
                classification=optional("classification.csv"), timing=optional("timing.csv"),
-               metrics=json.loads(metrics.read_text(encoding="utf-8")) if metrics else {})
+               metrics=json.loads(_text(metrics)) if metrics else {})
 
 
 def read_study(folder):

@@ -16,7 +16,7 @@ endfunction()
 
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${work}/prefix)
 set(without "")
-foreach(package OpenCV Ceres yaml-cpp fmt TBB nlohmann_json CLI11)
+foreach(package OpenCV Ceres yaml-cpp fmt ZLIB TBB nlohmann_json CLI11)
   list(APPEND without -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
 endforeach()
 build(build ${CMAKE_CURRENT_LIST_DIR} ${without})

@@ -1,4 +1,5 @@
-"""slammot's trajectory errors against those of evo, recorded in evo/figures.json with their commands.
+"""slammot's trajectory errors against those of evo, recorded in evo/figures.json with their commands; ten foreign trajectories
+against plain numpy and the formulas of ov_eval (bench/foreign.py), as results/judge/table.md has them.
 
 usage: test_evo.py SLAMMOT
 """
@@ -7,10 +8,11 @@ import pathlib
 import sys
 import unittest
 
-from fixture import WithFolder, program
+from fixture import ROOT, SLAMMOT, WithFolder, program
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE / "evo"))
+sys.path[:0] = [str(HERE / "evo"), str(ROOT / "bench")]
+import foreign  # noqa: E402
 import trajectories  # noqa: E402
 
 TOLERANCE = 1e-11  # relative
@@ -41,6 +43,19 @@ class Evo(WithFolder):
             for key, figure in figures.items():
                 with self.subTest(trajectory=name, command=figure["command"]):
                     self.assertLess(abs(ours["filtered"]["accuracy"][key] / figure["rmse"] - 1), TOLERANCE)
+
+    def test_ten_foreign_trajectories(self):
+        rows = (ROOT / "results" / "judge" / "table.md").read_text().splitlines()
+        cases = foreign.cases()
+        self.assertEqual(len(cases), 10)
+        for case in cases:
+            ours, truth = foreign.by_judge(SLAMMOT, case, self.folder / case.name), foreign.truth_of(case)
+            for others in (foreign.by_numpy(case, truth), foreign.by_ov_eval(case, truth)):
+                for key, value in others.items():
+                    self.assertLess(abs(ours[key] / value - 1), TOLERANCE, f"{case.name} {key}")
+            recorded = next(row for row in rows if row.startswith(f"| {case.name} |")).split(" | ")
+            self.assertIn(f"{ours['position_rmse_m']:.4g}", recorded)
+            self.assertNotEqual(recorded[-2], "-")  # evo's
 
 
 if __name__ == "__main__":

@@ -8,11 +8,12 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from .alignment import PARTS, Alignment, align_run
+from .alignment import align as align_positions
 from .consistency import nees, nees_interval
 from .intervals import quantile
 
 COLUMNS = ["timestamp", "x", "y", "z", "qx", "qy", "qz", "qw"]
-PARTS = {"pose": slice(0, 6), "position": slice(0, 3), "rotation": slice(3, 6)}
 Poses = ArrayLike | pd.DataFrame
 
 
@@ -20,20 +21,10 @@ Poses = ArrayLike | pd.DataFrame
 class Evaluation:
     """`frames` has a row for each judged pose: timestamp [s], position_error_m, rotation_error_deg, and nees_pose,
     nees_position, nees_rotation (NaN for the first, whose covariance is a pin). `figures` are those of the run, by the keys
-    of metrics.json."""
+    of metrics.json. `alignment` is how it was aligned before."""
     frames: pd.DataFrame
     figures: dict[str, float]
-
-
-@dataclass(frozen=True)
-class Similarity:
-    """p_true is about scale * rotation @ p_estimated + translation."""
-    scale: float
-    rotation: NDArray     # (3, 3)
-    translation: NDArray  # (3,) [m]
-
-    def __call__(self, points: NDArray) -> NDArray:
-        return self.scale * points @ self.rotation.T + self.translation
+    alignment: Alignment | None = None
 
 
 def _poses(poses: Poses, what: str) -> NDArray:
@@ -70,21 +61,6 @@ def errors(poses: Poses, truth: Poses) -> NDArray:
     return np.hstack([true[:, 1:4] - estimated[:, 1:4], turn.as_rotvec()])
 
 
-def align(estimated: ArrayLike, true: ArrayLike, scale: bool = True) -> Similarity:
-    """Least squares over positions (n, 3) [m] (Umeyama 1991, eq. 40 to 43); `scale` false: a rigid motion. Fewer than three
-    different points show a translation only."""
-    x, y = np.asarray(estimated, float), np.asarray(true, float)
-    mean_x, mean_y = x.mean(0), y.mean(0)
-    variance = ((x - mean_x) ** 2).sum() / len(x)
-    if len(x) < 3 or variance == 0.0:
-        return Similarity(1.0, np.eye(3), mean_y - mean_x)
-    U, D, Vt = np.linalg.svd((y - mean_y).T @ (x - mean_x) / len(x))
-    S = np.diag([1.0, 1.0, np.sign(np.linalg.det(U) * np.linalg.det(Vt))])
-    R = U @ S @ Vt
-    factor = float((D * np.diag(S)).sum() / variance) if scale else 1.0
-    return Similarity(factor, R, mean_y - factor * R @ mean_x)
-
-
 def _rms(values: ArrayLike) -> float:
     values = np.asarray(values, float)
     return float(np.sqrt(np.mean(values**2))) if values.size else np.nan
@@ -97,7 +73,7 @@ def _norms(vectors: NDArray) -> NDArray:
 def _aligned_figures(estimated: NDArray, true: NDArray) -> dict[str, float]:
     if len(true) < 3:
         return {"ate_se3_m": np.nan, "ate_sim3_m": np.nan, "sim3_scale": np.nan}
-    se3, sim3 = align(estimated, true, scale=False), align(estimated, true)
+    se3, sim3 = align_positions(estimated, true, scale=False), align_positions(estimated, true)
     return {"ate_se3_m": _rms(_norms(true - se3(estimated))), "ate_sim3_m": _rms(_norms(true - sim3(estimated))),
             "sim3_scale": sim3.scale}
 
@@ -132,12 +108,14 @@ def nees_figures(samples: ArrayLike, dof: int) -> dict[str, float]:
 
 
 def evaluate(poses: Poses, covariances: ArrayLike | None, truth: Poses, *, time_offset: float = 0.0,
-             max_difference: float | None = None) -> Evaluation:
+             max_difference: float | None = None, align: str = "none") -> Evaluation:
     """Judges one run against exact truth, as `slammot evaluate` does.
 
     poses: (n, 8) timestamp [s], x, y, z [m], qx, qy, qz, qw: T_WC; or a data frame with these columns.
     covariances: (n, 6, 6) of [dr (W, m), dtheta (C, rad, R_true = R_est Exp(dtheta))], or None: then there is no NEES.
-    truth: (m, 8), in the frame of the estimates: nothing is aligned before errors and NEES.
+    truth: (m, 8), in the frame of the estimates.
+    align: none, first (pose), se3 or sim3 (a fit of the positions): before errors and NEES. What that leaves of NEES stands in
+        the result's `alignment`.
     time_offset, max_difference: [s], as those of the program; by default 0 and half a frame.
     """
     at, frames = pairs(poses, truth, time_offset, max_difference)
@@ -145,6 +123,10 @@ def evaluate(poses: Poses, covariances: ArrayLike | None, truth: Poses, *, time_
     estimated[:, 0] = true[:, 0]
     if len(at) == 0:
         raise ValueError("no pose is within half a frame of a true one")
+    P = None if covariances is None else np.asarray(covariances, float)[at]
+    alignment = None
+    if align != "none":
+        estimated, P, alignment = align_run(estimated, P, true, align)
     e = errors(estimated, true)
     position, rotation = _norms(e[:, :3]), np.degrees(_norms(e[:, 3:]))
     figures = {"coverage": len(at) / len(np.asarray(truth)), "poses": len(at), "position_rmse_m": _rms(position),
@@ -152,10 +134,9 @@ def evaluate(poses: Poses, covariances: ArrayLike | None, truth: Poses, *, time_
                "rotation_max_deg": rotation.max(), **_aligned_figures(estimated[:, 1:4], true[:, 1:4]),
                **_relative_figures(estimated, true)}
     table = pd.DataFrame({"timestamp": estimated[:, 0], "position_error_m": position, "rotation_error_deg": rotation})
-    if covariances is not None:
-        P = np.asarray(covariances, float)[at]
+    if P is not None:
         for part, block in PARTS.items():
             table[f"nees_{part}"] = np.append(np.nan, nees(e[1:, block], P[1:, block, block]))
             of_part = nees_figures(table[f"nees_{part}"][1:], block.stop - block.start)
             figures |= {f"nees.{part}.{key}": value for key, value in of_part.items()}
-    return Evaluation(table, {key: value if isinstance(value, int) else float(value) for key, value in figures.items()})
+    return Evaluation(table, {key: value if isinstance(value, int) else float(value) for key, value in figures.items()}, alignment)

@@ -81,6 +81,9 @@ def _estimator(name: str, runs: list[_Run]) -> dict:
         return json
     anees, per_frame = statistics.summary()
     json["anees"] = {part: anees[part] for part in CAMERA if part in anees and all(run.has_nees(part) for run in runs)}
+    if notes := [a["note"] for run in runs if (a := run.metrics.get("alignment")) and not a["verdict"]]:
+        for part in json["anees"].values():
+            part["no_verdict"] = notes[0]  # of a fit to the truth
     timestamps = {frame: t for run in reversed(runs) for frame, t in run.timestamps.items()}
     json["per_frame"] = {key: values for key, values in per_frame.items() if not key.startswith("anees_") or key.split("_")[1] in json["anees"]}
     json["per_frame"]["timestamp"] = [timestamps[frame] for frame in statistics.frames.tolist()]

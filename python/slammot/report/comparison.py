@@ -69,6 +69,11 @@ class Run:
         return self.metric("warnings") or []
 
     @property
+    def alignment(self):
+        """How `--align` has moved it, or None."""
+        return self.metric("alignment")
+
+    @property
     def failed_at(self):
         return self.metric("failed_at")
 
@@ -126,6 +131,11 @@ class Comparison:
     def aligned(self):
         """On measured truth errors are those after similarity alignment."""
         return self.has_truth and not self.sequence["exact_truth"]
+
+    @property
+    def moved(self):
+        """Whether runs were aligned before all errors, by `--align`."""
+        return any(run.alignment for run in self.runs)
 
     @property
     def error_key(self):

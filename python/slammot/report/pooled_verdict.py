@@ -1,7 +1,7 @@
 """The comparison in words where estimators have several runs, each put together over them."""
 from ..judge.intervals import FEW
 from ..judge.paired import LEVEL, better
-from .verdict import WHY_ALIGNED, alignment_of, apart, error_name, failure_bound, warnings_of
+from .verdict import WHY_ALIGNED, alignment_of, apart, error_name, failure_bound, moved, warnings_of
 
 # Of an ANEES whose interval holds what is expected: neither consistent nor not.
 NOT_DECIDED = "neither shown consistent nor inconsistent"
@@ -12,6 +12,8 @@ def anees_class(part):
     needs none."""
     if part.get("infinite"):
         return "over"
+    if part.get("no_verdict"):
+        return ""
     low, high, dof = part.get("lower"), part.get("upper"), part.get("dof")
     if low is None or high is None or low <= dof <= high:
         return ""
@@ -106,6 +108,8 @@ def consistency_of(e):
     if a["infinite"] or a["mean"] is None:
         return f"{e.name} has no ANEES: some of its covariances are not positive definite."
     text = f"ANEES of the {part} {between({'value': a['mean'], **{k: a[k] for k in ('lower', 'upper')}}, '')} ({a['dof']} expected)"
+    if a.get("no_verdict"):
+        return f"{e.name}: {text}: no verdict, as runs were aligned (above)."
     if a["lower"] is None:
         return f"{e.name}: {text}; {FEW} decide nothing."
     word = {"over": "overconfident", "under": "conservative", "": NOT_DECIDED}[anees_class(a)]
@@ -114,5 +118,5 @@ def consistency_of(e):
 
 def findings(comparison):
     sentences = [s for s in map(consistency_of, comparison.estimators) if s]
-    return [*failed_sentences([(e.name, e.runs, e.failed, e.diverged) for e in comparison.estimators], comparison.aligned), *warned(comparison), *accuracy(comparison),
+    return [*failed_sentences([(e.name, e.runs, e.failed, e.diverged) for e in comparison.estimators], comparison.aligned), *warned(comparison), *moved(comparison), *accuracy(comparison),
             ("Consistency", sentences or ["Not judged: the truth is not exact, or a covariance is missing."])]

@@ -21,7 +21,9 @@ def error_name(comparison):
 
 
 def alignment_of(comparison):
-    return "after similarity alignment" if comparison.aligned else "without alignment"
+    if comparison.aligned:
+        return "after similarity alignment"
+    return "as aligned" if comparison.moved else "without alignment"
 
 
 def failure_bound(aligned):
@@ -32,6 +34,15 @@ def failure_bound(aligned):
 
 WHY_ALIGNED = ("The truth is measured, and images of one camera tell neither frame nor scale: "
                "errors here are after similarity alignment, and the scale stands beside them.")
+
+
+def moved(comparison):
+    """How runs were aligned before they were judged (`--align`)."""
+    of_note = {}
+    for run in comparison.runs:
+        if run.alignment:
+            of_note.setdefault(run.alignment["note"], []).append(run.pooled if comparison.pooled else run.name)
+    return [("Aligned", [f"{listed(list(dict.fromkeys(names)))}: {note}." for note, names in of_note.items()])] if of_note else []
 
 
 def nees_ratio(run):
@@ -182,6 +193,8 @@ def consistency_of(run):
     poses = run.metric(run.judged, "nees", "pose", "used")
     if poses is not None and poses < FEWEST_JUDGED:
         return f"{run.name} has a mean pose NEES of {6 * ratio:.3g} (6 expected) over {poses} poses: too few for a verdict."
+    if run.alignment and not run.alignment["verdict"]:
+        return f"{run.name} has a mean pose NEES of {6 * ratio:.3g}: no verdict, as it was aligned (above)."
     text = (f"{run.name} is {judged(ratio)}: mean pose NEES {6 * ratio:.3g} (6 expected)")
     if coverage is not None:
         text += f", {100 * coverage:.0f}% of the frames in the 95% interval"
@@ -262,5 +275,5 @@ def findings(comparison):
     done = [run for run in comparison.runs if run.divergence is None]
     if not done:
         return [*divergence(comparison), *warned(comparison)]
-    return [*divergence(comparison), *failure(comparison), *warned(comparison), *accuracy(comparison, done), *consistency(comparison, done),
+    return [*divergence(comparison), *failure(comparison), *warned(comparison), *moved(comparison), *accuracy(comparison, done), *consistency(comparison, done),
             *labels(done), *cost(comparison, done)]
