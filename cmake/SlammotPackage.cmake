@@ -7,6 +7,6 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS
-    "python3, python3-jinja2, python3-matplotlib, python3-numpy, python3-pandas, python3-plotly, python3-scipy, python3-yaml")
+    "python3, python3-jinja2, python3-matplotlib, python3-numpy, python3-pandas, python3-pil, python3-plotly, python3-scipy, python3-yaml")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libceres-dev, libcli11-dev, libopencv-dev, nlohmann-json3-dev")
 include(CPack)
