@@ -152,7 +152,7 @@ def tracks_of(sequence, labels):
 
 
 def landmarks_of(run, above, tracks):
-    """Frame to [label, measured, x, y, dx, dy] on the map, d in one second; None: the final ones, the same in all frames."""
+    """Frame to [label, measured, x, y, dx, dy] on the map, d in one second; None: the final ones of all frames, [label, track, ...]."""
     rows = run.landmarks
     if rows is None:
         return {None: []}
@@ -165,7 +165,7 @@ def landmarks_of(run, above, tracks):
         seen = not every_frame or (r.frame, r.track) in measured
         if r.label in LABELS and (seen or r.label == "static"):  # of what may move nobody knows where it is now
             by_frame.setdefault(r.frame if every_frame else None, []).append(
-                [LABELS.index(r.label), int(seen), *map(rounded, [*at, *(step if r.label == "moving" else ())])])
+                [LABELS.index(r.label), int(seen) if every_frame else int(r.track), *map(rounded, [*at, *(step if r.label == "moving" else ())])])
     return by_frame
 
 

@@ -6,7 +6,7 @@ const COLOURS = ["#0072B2", "#CC79A7", "#D55E00", "#5f6772"];
 const DASHES = [[], [2, 3], [9, 3], []];
 const NAMES = ["static", "unknown", "moving", "no landmark"];
 const INK = "#1b1f24", GREY = "#969696", RULE = "#d9dde2";
-const TRAIL = 8, STRIP = 96, LEFT = 46;
+const TRAIL = 8, STRIP = 96, LEFT = 50;
 
 // A canvas as wide as its place, `height` high, cleared.
 function cleared(canvas, height) {
@@ -103,6 +103,13 @@ class Page {
 
   get frame() { return this.data.frames[this.at]; }
 
+  // Those of the frame: final ones where it measures them, and what rests.
+  get landmarks() {
+    if (this.frame.landmarks) return this.frame.landmarks;
+    const measured = new Set(this.frame.tracks.map((t) => t[0]));
+    return this.data.landmarks.map(([label, track, ...at]) => [label, measured.has(track), ...at]).filter(([label, seen]) => seen || label === 0);
+  }
+
   // The picture of the frame, once it is decoded.
   image() {
     if (!this.data.pictures || !this.data.pictures[this.at]) return null;
@@ -156,7 +163,7 @@ class Page {
   }
 
   draw_landmarks(c, x, y) {
-    const landmarks = this.frame.landmarks || this.data.landmarks;
+    const landmarks = this.landmarks;
     for (const [label, measured, px, py] of landmarks) {
       if (!measured) Object.assign(c, {fillStyle: GREY}).fillRect(x(px) - 1.5, y(py) - 1.5, 3, 3);
     }
@@ -193,7 +200,8 @@ class Page {
     const x = (k) => LEFT + across * k / Math.max(count - 1, 1), y = (v) => 7 + room * (1 - (of(v) - low) / (high - low));
     if (series.band) Object.assign(c, {fillStyle: "#e7e9ec"}).fillRect(LEFT, y(series.band[1]), across, y(series.band[0]) - y(series.band[1]));
     if (series.expected) line(c, [[LEFT, y(series.expected)], [LEFT + across, y(series.expected)]], GREY, 1, [4, 3]);
-    for (const value of series.log ? [10 ** low, series.expected, 10 ** high] : [0, high]) place_text(c, short(value), LEFT - 6, y(value), "right");
+    const ends = series.log ? [10 ** low, 10 ** high] : [0, high], clear = ends.every((v) => Math.abs(y(v) - y(series.expected)) > 13);
+    for (const value of clear ? [...ends, series.expected] : ends) place_text(c, short(value), LEFT - 6, y(value), "right");
     series.lines.forEach((values, label) => {
       line(c, values.map((v, k) => v === null || (series.log && v <= 0) ? null : [x(k), y(v)]), series.labels ? COLOURS[label] : INK, series.labels ? 2 : 1.3, series.labels ? DASHES[label] : []);
     });
