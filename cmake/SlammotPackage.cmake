@@ -3,6 +3,11 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "The slammot authors <slammot@example.org>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
+set(CPACK_PACKAGE_DESCRIPTION "An extended Kalman filter and a sliding-window smoother for monocular SLAM
+among moving objects, with the same measurements, models and priors, and a
+judge of accuracy, consistency, labels and cost, also of other programs'
+estimates. Sequences are simulated, recorded, or tracked in images.")
+set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/DebianFiles.cmake)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
