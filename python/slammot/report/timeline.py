@@ -26,7 +26,8 @@ def read(run, sequence):
     except ImportError as error:
         raise NotMade(f"{error.name}: not found; install python3-{error.name}") from error
     if (run / "compare.json").is_file():
-        raise BadInput(f"{run}: is a comparison: give the folder of one of its runs")
+        names = ", ".join(sorted(file.parent.name for file in run.glob("*/trajectory.tum")))
+        raise BadInput(f"{run}: is a comparison: give the folder of one of its runs{names and ': '}{names}")
     try:
         found = reading.read_run(run)
         sequence = sequence or pathlib.Path((found.description.get("sequence") or {}).get("path") or "")
