@@ -1,4 +1,5 @@
-// slammot report: the page of a study or a comparison again, or of stored runs.
+// slammot report: the page of a study or a comparison again, of stored runs, or of one under a
+// slider.
 #include <fmt/format.h>
 
 #include <fstream>
@@ -21,11 +22,12 @@ using Path = std::filesystem::path;
 struct ReportArguments {
   JudgeArguments runs;
   std::string output;
+  bool timeline = false;
 };
 
 // Of bad input the generator has said what is wrong.
-int finish(int exit_code, const Path& folder) {
-  if (exit_code == 0) fmt::print("{}\n", (folder / "report.html").string());
+int finish(int exit_code, const Path& page) {
+  if (exit_code == 0) fmt::print("{}\n", page.string());
   if (exit_code == 1) {
     fmt::print(stderr, "slammot: no report: the generator is missing or failed\n");
   }
@@ -34,14 +36,14 @@ int finish(int exit_code, const Path& folder) {
 
 int report_again(const Path& folder) {
   if (std::filesystem::exists(folder / "compare.json")) {
-    return finish(make_compare_page(folder), folder);
+    return finish(make_compare_page(folder), page_of(folder));
   }
   if (std::filesystem::exists(folder / "results.jsonl")) {
-    return finish(make_study_page(folder), folder);
+    return finish(make_study_page(folder), page_of(folder));
   }
   throw InputError(folder, 0,
                    "holds neither a comparison (compare.json) nor a study (results.jsonl); a run "
-                   "is reported with --output DIR");
+                   "is reported with --output DIR, or with --timeline");
 }
 
 int report_runs_to(const ReportArguments& arguments) {
@@ -59,10 +61,21 @@ int report_runs_to(const ReportArguments& arguments) {
     results.push_back({run.path.string(), run.estimator, run.stored.landmark, run.metrics});
   }
   fmt::print(stderr, "{}", warning_lines(results));
-  return finish(code, output);
+  return finish(code, page_of(output));
+}
+
+int report_timeline(const JudgeArguments& arguments) {
+  if (arguments.runs.size() != 1 || arguments.against.size() > 1) {
+    throw std::invalid_argument("report --timeline takes one run, and one sequence at most");
+  }
+  const Path run = arguments.runs.front();
+  require_writable_folder(run);
+  const Path sequence = arguments.against.empty() ? Path() : Path(arguments.against.front());
+  return finish(make_timeline_page(run, sequence), timeline_of(run));
 }
 
 int execute(const ReportArguments& arguments) {
+  if (arguments.timeline) return report_timeline(arguments.runs);
   const bool again =
       arguments.runs.runs.size() == 1 && arguments.runs.against.empty() && arguments.output.empty();
   return again ? report_again(arguments.runs.runs.front()) : report_runs_to(arguments);
@@ -81,6 +94,13 @@ void add_report(CLI::App& app, int& exit_code) {
       ->required();
   add_judge_options(*command, arguments->runs);
   command->add_option("--output", arguments->output, "folder for the page")->type_name("DIR");
+  CLI::Option* timeline = command->add_flag(
+      "--timeline", arguments->timeline,
+      "instead RUN/timeline.html: images, labels, map and NEES of a run under one slider");
+  for (const char* other : {"--output", "--error-convention", "--extrinsics", "--time-offset",
+                            "--max-difference", "--force-sequence", "--force"}) {
+    timeline->excludes(command->get_option(other));  // it would change nothing
+  }
   command->callback([arguments, &exit_code] { exit_code = execute(*arguments); });
 }
 

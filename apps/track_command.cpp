@@ -174,12 +174,14 @@ void print_summary(const ImagesToTrack& images, const TrackedImages& tracked, do
   const Sequence& sequence = tracked.sequence;
   for (const std::string& reason : tracked.skipped) fmt::print("skipped: {}\n", reason);
   const auto frames = static_cast<double>(sequence.frames.size());
-  fmt::print(
-      "{}: {} frames, {} skipped, {} tracks, {:.1f} frames/s\ncamera {}\nfollowed {}\n"
-      "pixel_sigma {}\n{}\n",
-      sequence.name, frames, tracked.skipped.size(), tracked.tracks, frames / seconds,
-      camera_text(sequence.camera, images.camera), health_text(tracked.health),
-      noise_text(tracked, arguments.options.noise), arguments.output);
+  fmt::print("{}: {} frames, {} skipped, {} tracks, {:.1f} frames/s\ncamera {}\n", sequence.name,
+             frames, tracked.skipped.size(), tracked.tracks, frames / seconds,
+             camera_text(sequence.camera, images.camera));
+  if (!images.unused.empty()) {
+    fmt::print("not used {}: one camera's images are\n", fmt::join(images.unused, ", "));
+  }
+  fmt::print("followed {}\npixel_sigma {}\n{}\n", health_text(tracked.health),
+             noise_text(tracked, arguments.options.noise), arguments.output);
   for (const std::string& warning : tracked.warnings) {
     fmt::print(stderr, "slammot: warning: {}\n", printable(warning));
   }

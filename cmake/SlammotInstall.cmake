@@ -24,6 +24,9 @@ install(CODE "
   set(destination [[${CMAKE_INSTALL_INCLUDEDIR}/slammot]])")
 install(SCRIPT ${CMAKE_CURRENT_LIST_DIR}/InstallHeaders.cmake)
 
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(FILES ${PROJECT_SOURCE_DIR}/CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME changelog)
+
 # Not byte code; studies only once there are some.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/eval/studies
         DESTINATION ${CMAKE_INSTALL_DATADIR}/slammot OPTIONAL PATTERN "__pycache__" EXCLUDE)

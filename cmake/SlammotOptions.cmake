@@ -23,10 +23,10 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 
 include(GNUInstallDirs)
 
-# Where a program looks for the module of image codecs: beside itself, and where it is installed.
+# Where a program looks for the module of image codecs: beside itself, and where it is installed, in a folder of its own.
 file(RELATIVE_PATH SLAMMOT_BIN_TO_LIB ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
 set(CMAKE_BUILD_RPATH "$ORIGIN")
-set(CMAKE_INSTALL_RPATH "$ORIGIN/${SLAMMOT_BIN_TO_LIB}")
+set(CMAKE_INSTALL_RPATH "$ORIGIN/${SLAMMOT_BIN_TO_LIB}/slammot")
 
 # Debian's Python, for reports, tests and the package slammot; $SLAMMOT_PYTHON overrides it when the
 # program runs. Debian looks for packages here below /usr and /usr/local.

@@ -34,6 +34,17 @@ void find_frames(const ImageOptions& options, ImagesToTrack& found) {
   if (const auto fault = numbering_fault(found.sequence.images)) found.warnings.push_back(*fault);
 }
 
+// So that nobody thinks that two cameras, depth or an IMU were used.
+void find_unused(ImagesToTrack& found) {
+  const Sequence& sequence = found.sequence;
+  for (const char* place :
+       {"depth.txt", "mav0/cam1", "mav0/imu0", "image_0", "image_1", "image_2", "image_3",
+        "image_00", "image_01", "image_02", "image_03", "velodyne_points"}) {
+    const bool used = sequence.images.front().starts_with(std::string(place) + "/");
+    if (!used && std::filesystem::exists(sequence.folder / place)) found.unused.push_back(place);
+  }
+}
+
 void find_camera(const ImageOptions& options, ImagesToTrack& found) {
   Sequence& sequence = found.sequence;
   found.camera = "as the folder has it";
@@ -91,6 +102,7 @@ void add_image_options(CLI::App& command, ImageOptions& options) {
 ImagesToTrack find_images(const ImageOptions& options) {
   ImagesToTrack found;
   find_frames(options, found);
+  if (!found.film) find_unused(found);
   find_camera(options, found);
   if (!options.truth.empty()) find_truth(options.truth, found.sequence);
   return found;

@@ -21,6 +21,7 @@ struct ImagesToTrack {
   Sequence sequence;                  // frames without observations
   ImageFunction film;                 // the pictures of a film, else nothing
   std::string camera;                 // of which the camera is, for people
+  std::vector<std::string> unused;    // what lies beside the images, and is not looked at
   std::vector<std::string> warnings;  // one line each
 };
 

@@ -229,7 +229,8 @@ CameraFile read_camera_file(const std::filesystem::path& file, const std::string
   for (const Form& form : kForms) {
     if (!form.recognises(map)) continue;
     const Camera camera = form.read(map);
-    return {camera, std::string(form.name) + (map.has("cam1") ? ", the first of its cameras" : "")};
+    const bool several = map.has("cam1") || map.has("Camera2.fx");
+    return {camera, std::string(form.name) + (several ? ", the first of its cameras" : "")};
   }
   throw InputError(
       file, 1,

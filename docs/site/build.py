@@ -16,10 +16,11 @@ import sys
 import nbformat
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-GALLERY = [("compare", "compared", "Filter and smoother on one sequence", "`slammot compare`"),
-           ("study", "first", "Ten sequences: errors, ANEES with its interval, pairs", "`slammot study`"),
-           ("judge", "page", "An estimator in Python, judged beside both families", "`slammot report RUN... --against SEQUENCE`"),
-           ("room", "room", "From images, with a picture of every frame", "`slammot compare --pictures`")]
+GALLERY = [("compare", "compared/report.html", "Filter and smoother on one sequence", "`slammot compare`"),
+           ("study", "first/report.html", "Ten sequences: errors, ANEES with its interval, pairs", "`slammot study`"),
+           ("judge", "page/report.html", "An estimator in Python, judged beside both families", "`slammot report RUN... --against SEQUENCE`"),
+           ("room", "room/report.html", "From images, with a picture of every frame", "`slammot compare --pictures`"),
+           ("timeline", "room/window-scaled_velocity/timeline.html", "A run under a slider: image, labels, map, NEES", "`slammot report RUN --timeline`")]
 PYTHON = [("slammot", "What most scripts need"), ("slammot.reading", "Files as tables and arrays"),
           ("slammot.program", "Running the program"), ("slammot.estimator", "Estimators in Python"),
           ("slammot.so3", "Rotations")]
@@ -61,6 +62,7 @@ def make_gallery(folder, slammot):
     run(slammot, "simulate", "--render", "room", "--set", "frames=40", "--output", folder / "images")
     run(slammot, "track", folder / "images", "--output", folder / "tracked")
     run(slammot, "compare", folder / "tracked", "--landmark", "scaled_velocity", "--pictures", "--output", folder / "room")
+    run(slammot, "report", folder / "room/window-scaled_velocity", "--timeline")
     mark.write_text(digest, encoding="utf-8")
 
 
@@ -81,13 +83,14 @@ def lay_out(source, gallery, reference):
         index += ["```{toctree}", f":caption: {caption}", ":maxdepth: 1", "", *pages, "```", ""]
     (source / "index.md").write_text("\n".join(index), encoding="utf-8")
     lines = ["# Gallery", "", "Pages as the program writes them. They need no network.", ""]
-    for name, folder, title, command in GALLERY:
+    for name, written, title, command in GALLERY:
         page = source / "extra/gallery" / name
         page.mkdir(parents=True)
-        shutil.copy(gallery / folder / "report.html", page)
-        for pictures in (gallery / folder).glob("*/pictures/slider"):
-            shutil.copytree(pictures, page / pictures.relative_to(gallery / folder))
-        lines.append(f'- <a href="gallery/{name}/report.html">{title}</a>: {command}')
+        shutil.copy(gallery / written, page)
+        folder = (gallery / written).parent
+        for pictures in folder.glob("*/pictures/slider"):
+            shutil.copytree(pictures, page / pictures.relative_to(folder))
+        lines.append(f'- <a href="gallery/{name}/{pathlib.Path(written).name}">{title}</a>: {command}')
     (source / "gallery.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     package = ["Python package", "==============", ""]
     for module, title in PYTHON:

@@ -47,6 +47,8 @@ int make(const std::string& name, const Path& source, const Path& product,
 
 Path page_of(const Path& output) { return output / "report.html"; }
 
+Path timeline_of(const Path& run) { return run / "timeline.html"; }
+
 int make_compare_page(const Path& output, bool table) {
   const std::vector<std::string> options(table ? 1 : 0, "--table");
   return make("compare", output, page_of(output), options);
@@ -56,6 +58,11 @@ int make_study_page(const Path& output, const RecordOptions& options) {
   if (options.record.empty()) return make("study", output, page_of(output));
   return make("study", output, page_of(output),
               {"--record", (options.record / options.name).string(), "--command", options.command});
+}
+
+int make_timeline_page(const Path& run, const Path& sequence) {
+  if (sequence.empty()) return make("timeline", run, timeline_of(run));
+  return make("timeline", run, timeline_of(run), {"--sequence", sequence.string()});
 }
 
 int make_frame_figure(const Path& data) {

@@ -24,7 +24,11 @@ int make_study_page(const std::filesystem::path& output, const RecordOptions& op
 // A frame's PDF beside its JSON (apps/pictures/frame_json.h).
 int make_frame_figure(const std::filesystem::path& data);
 
-// `output`/report.html.
+// `run`/timeline.html: the run over its sequence, or over `sequence` if that is not empty.
+int make_timeline_page(const std::filesystem::path& run, const std::filesystem::path& sequence);
+
+// `output`/report.html, `run`/timeline.html.
 std::filesystem::path page_of(const std::filesystem::path& output);
+std::filesystem::path timeline_of(const std::filesystem::path& run);
 
 }  // namespace slammot

@@ -10,7 +10,7 @@ import sys
 
 import cv2
 import numpy
-from rosbags.highlevel import AnyReader
+from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.typesys import Stores, get_typestore
 
 CHANNELS = {"mono8": 1, "8UC1": 1, "mono16": 1, "16UC1": 1, "bgr8": 3, "rgb8": 3, "8UC3": 3, "bgra8": 4, "rgba8": 4}
@@ -30,22 +30,32 @@ def decoded(message):
     return numpy.ascontiguousarray(picture[..., [2, 1, 0]]) if message.encoding.startswith("rgb") else picture
 
 
+def of_topic(reader, topic):
+    """Its connections; it may be mistyped, or of something else."""
+    pictured = [c for c in reader.connections if c.msgtype.endswith(("/Image", "/CompressedImage"))]
+    found = [c for c in pictured if c.topic == topic]
+    return found or sys.exit(f"no images in {topic}; there are some in {', '.join(sorted({c.topic for c in pictured})) or 'no topic'}")
+
+
+def write_images(reader, topic, folder):
+    connections, times = of_topic(reader, topic), {}  # [ns] of the camera's clock: a bag is ordered by when messages came
+    (folder / "rgb").mkdir(parents=True)
+    for connection, _, data in reader.messages(connections=connections):
+        message = reader.deserialize(data, connection.msgtype)
+        stamp = message.header.stamp
+        name = f"rgb/{len(times):06}.png"
+        cv2.imwrite(str(folder / name), decoded(message))
+        times[name] = stamp.sec * 10**9 + stamp.nanosec
+    lines = [f"{t // 10**9}.{t % 10**9:09} {name}\n" for name, t in sorted(times.items(), key=lambda item: item[1])]
+    (folder / "rgb.txt").write_text("".join(lines), encoding="utf-8")
+
+
 def main(bag, topic, folder):
-    images = pathlib.Path(folder) / "rgb"
-    images.mkdir(parents=True)
-    times = {}  # [ns] of the camera's clock: a bag is ordered by when messages came
-    with AnyReader([pathlib.Path(bag)], default_typestore=get_typestore(Stores.LATEST)) as reader:
-        connections = [c for c in reader.connections if c.topic == topic]
-        if not connections:
-            sys.exit(f"no topic {topic}; there are {', '.join(sorted({c.topic for c in reader.connections}))}")
-        for connection, _, data in reader.messages(connections=connections):
-            message = reader.deserialize(data, connection.msgtype)
-            stamp = message.header.stamp
-            name = f"{len(times):06}.png"
-            cv2.imwrite(str(images / name), decoded(message))
-            times[name] = stamp.sec * 10**9 + stamp.nanosec
-    lines = [f"{t // 10**9}.{t % 10**9:09} rgb/{name}\n" for name, t in sorted(times.items(), key=lambda item: item[1])]
-    (images.parent / "rgb.txt").write_text("".join(lines), encoding="utf-8")
+    try:
+        with AnyReader([pathlib.Path(bag)], default_typestore=get_typestore(Stores.LATEST)) as reader:
+            write_images(reader, topic, pathlib.Path(folder))
+    except (OSError, AnyReaderError) as error:  # no bag, or a folder that is there
+        sys.exit(f"bag_images.py: {error}")
 
 
 if __name__ == "__main__":

@@ -27,7 +27,8 @@ if(NOT said STREQUAL "pixel 358.0 162.5\n")
   message(FATAL_ERROR "the consumer said '${said}'")
 endif()
 foreach(file bin/slammot ${PYTHON_DIR}/slammot/report/templates/compare.html share/man/man1/slammot.1
-        share/bash-completion/completions/slammot ${PYTHON_DIR}/slammot/worker.py)
+        share/bash-completion/completions/slammot share/doc/slammot/copyright share/doc/slammot/changelog
+        ${PYTHON_DIR}/slammot/worker.py)
   if(NOT EXISTS ${work}/prefix/${file})
     message(FATAL_ERROR "not installed: ${file}")
   endif()

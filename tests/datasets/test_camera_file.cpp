@@ -94,6 +94,8 @@ TEST(CameraFile, TheFirstOfSeveralIsNamedAndASizeMayBeMissing) {
   EXPECT_EQ(read(kKalibr).form, "kalibr");
   EXPECT_THAT(read(std::string(kKalibr) + "cam1: {}\n").form,
               HasSubstr("the first of its cameras"));
+  EXPECT_THAT(read(std::string(kOrbSlam) + "Camera2.fx: 400\n").form,
+              HasSubstr("the first of its cameras"));
   EXPECT_EQ(
       read(replaced(replaced(kOrbSlam, "Camera.width", "w"), "Camera.height", "h")).camera.width,
       0);

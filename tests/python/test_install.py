@@ -14,7 +14,7 @@ import numpy, slammot
 from slammot.report import page
 poses = numpy.column_stack([numpy.arange(9.0), numpy.random.rand(9, 3), numpy.zeros((9, 3)), numpy.ones(9)])
 assert slammot.evaluate(poses, numpy.tile(numpy.eye(6), (9, 1, 1)), poses).figures["nees.pose.mean"] == 0.0
-page.template("compare.html"), page.template("study.html"), page.text_of("page.js")
+page.template("compare.html"), page.template("study.html"), page.template("timeline.html"), page.text_of("page.js")
 print(slammot.__file__, slammot.__version__)
 """
 

@@ -1,11 +1,11 @@
-"""python3 -m slammot.report compare|study|frame PATH: the pages and figures that the program asks for.
+"""python3 -m slammot.report compare|study|frame|timeline PATH: the pages and figures that the program asks for.
 
 Silent on success; one line on stderr and exit 2 for bad input, 1 for a missing package or a file that cannot be written.
 """
 import importlib
 import sys
 
-PROGRAMS = {"compare": "compare_report", "study": "study_report", "frame": "frame_figure"}
+PROGRAMS = {"compare": "compare_report", "study": "study_report", "frame": "frame_figure", "timeline": "timeline"}
 
 
 def main():

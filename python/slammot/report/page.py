@@ -34,7 +34,7 @@ def packed(source):
 
 def embedded_picture(file):
     """A picture's file, carried inside the page."""
-    kind = {".png": "png", ".jpg": "jpeg"}[file.suffix]
+    kind = {".svg": "svg+xml", ".jpg": "jpeg"}[file.suffix]
     return f"data:image/{kind};base64," + base64.b64encode(file.read_bytes()).decode("ascii")
 
 
@@ -58,12 +58,12 @@ def template(name):
     return environment.get_template(name)
 
 
-def rendered(name, script, data, **content):
-    """The page of a template that extends base.html. The script draws the data; None carries neither."""
+def rendered(name, script, data, with_plotly=True, **content):
+    """The page of a template that extends base.html. The script draws the data, with Plotly if it asks for it; None carries neither."""
     drawn = data is not None
     return template(name).render(
         style=text_of("page.css"), script=text_of(script), data_json=embedded_json(data) if drawn else None,
-        plotly=packed(plotly_source()) if drawn else None, **content)
+        plotly=packed(plotly_source()) if drawn and with_plotly else None, **content)
 
 
 @contextlib.contextmanager
@@ -106,8 +106,8 @@ def made(make, output, source):
         raise BadInput(f"{output / source}: is not as slammot writes it ({type(error).__name__}: {error})") from error
 
 
-def run_report(name, make, source, **options):
-    """The program `name OUTPUT`: the page that `make(output, given)` makes of OUTPUT/`source` goes to OUTPUT/report.html;
+def run_report(name, make, source, product="report.html", **options):
+    """The program `name OUTPUT`: the page that `make(output, given)` makes of OUTPUT/`source` goes to OUTPUT/`product`;
     the exit code. `options` are flags by name, with what argparse wants to know of each."""
     parser = argparse.ArgumentParser(prog=name)
     parser.add_argument("output", type=pathlib.Path)
@@ -115,8 +115,8 @@ def run_report(name, make, source, **options):
         parser.add_argument(f"--{option}", **how)
     given = parser.parse_args()
     try:
-        require_own(given.output / "report.html")
-        write_aside(given.output / "report.html", made(lambda output: make(output, given), given.output, source))
+        require_own(given.output / product)
+        write_aside(given.output / product, made(lambda output: make(output, given), given.output, source))
     except (BadInput, NotMade, OSError) as error:
         print(f"{name}: {one_line(error)}", file=sys.stderr)
         return 2 if isinstance(error, BadInput) else 1

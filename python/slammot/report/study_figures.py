@@ -1,4 +1,4 @@
-"""The figures of a study, as PDF and PNG, by Matplotlib: the thesis's layouts where it has them."""
+"""The figures of a study, as PDF, SVG and PNG, by Matplotlib: the thesis's layouts where it has them."""
 import pathlib
 import re
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ FIGURES = {}  # by the name that a study's file gives; eval/study/study_figures.
 class Figure:
     title: str
     caption: str
-    png: pathlib.Path
+    svg: pathlib.Path
 
 
 def registered(draw):
@@ -400,6 +400,11 @@ def save(figure, file, **options):
         figure.savefig(unfinished, bbox_inches="tight", **options)
 
 
+# Without the time and the version of who wrote them: the same bytes each time.
+FILES = {"pdf": {"metadata": {"CreationDate": None}}, "svg": {"metadata": {"Date": None, "Creator": None}},
+         "png": {"metadata": {"Software": None}, "dpi": 150}}
+
+
 def draw_all(summary, folder):
     folder.mkdir(parents=True, exist_ok=True)
     names = [name for name in summary["figures"] if name in FIGURES or ":" in name]  # others are tables
@@ -414,8 +419,8 @@ def draw_all(summary, folder):
         figure, (title, caption) = made
         figure.tight_layout()
         legend_above(figure)
-        save(figure, folder / f"{file_of(name)}.pdf", metadata={"CreationDate": None})
-        save(figure, folder / f"{file_of(name)}.png", metadata={"Software": None}, dpi=150)
+        for ending, options in FILES.items():
+            save(figure, folder / f"{file_of(name)}.{ending}", **options)
         plt.close(figure)
-        figures.append(Figure(title, caption, folder / f"{file_of(name)}.png"))
+        figures.append(Figure(title, caption, folder / f"{file_of(name)}.svg"))
     return figures

@@ -1,5 +1,5 @@
 """python3 -m slammot.report study OUTPUT: summary.json and runs.csv from what the program left in the folder of a study
-(plan.json and the runs), then figures (PDF, PNG), tables (LaTeX, CSV) and report.html from summary.json.
+(plan.json and the runs), then figures (PDF, SVG, PNG), tables (LaTeX, CSV) and report.html from summary.json.
 """
 import pathlib
 
@@ -54,7 +54,7 @@ def page(output, given):
     return rendered(
         "study.html", "view.js", view if view and view["runs"] else None,
         summary=summary, tables=tables, study_verdict=study_verdict, study_tables=study_tables,
-        figures=[(f.title, f.caption, embedded_picture(f.png)) for f in figures])
+        figures=[(f.title, f.caption, embedded_picture(f.svg)) for f in figures])
 
 
 def main():
