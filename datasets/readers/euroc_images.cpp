@@ -14,6 +14,7 @@ namespace {
 using Path = std::filesystem::path;
 
 constexpr double kNanosecond = 1e-9;  // [s]
+constexpr double kTogether = 1e-3;    // [s] between two images of one trigger
 
 // The head of these files is a comment like any other.
 bool next_data_row(TextTable& table, size_t columns) {
@@ -60,6 +61,17 @@ std::vector<TimedPose> read_body_poses(const Path& file, const Eigen::Isometry3d
   return poses;
 }
 
+void list_images(const Path& folder, const std::string& camera, Sequence& sequence) {
+  const Path file = folder / camera / "data.csv";
+  const std::string text = read_text_file(file);
+  TextTable table(file, text);
+  while (next_data_row(table, 2)) {
+    add_image(table, table.real(0) * kNanosecond, camera + "/data/" + std::string(table.field(1)),
+              sequence);
+  }
+  require_frames(file, sequence);
+}
+
 }  // namespace
 
 bool is_euroc(const Path& folder) {
@@ -69,14 +81,7 @@ bool is_euroc(const Path& folder) {
 Sequence read_euroc(const Path& folder) {
   Sequence sequence = foreign_sequence(folder);
   const Path mav = folder / "mav0";
-  const Path file = mav / "cam0" / "data.csv";
-  const std::string text = read_text_file(file);
-  TextTable table(file, text);
-  while (next_data_row(table, 2)) {
-    add_image(table, table.real(0) * kNanosecond, "mav0/cam0/data/" + std::string(table.field(1)),
-              sequence);
-  }
-  require_frames(file, sequence);
+  list_images(folder, "mav0/cam0", sequence);
   const CameraSensor sensor = read_sensor(mav / "cam0" / "sensor.yaml");
   sequence.camera = sensor.camera;
   for (const char* name : {"state_groundtruth_estimate0", "mocap0"}) {
@@ -86,6 +91,20 @@ Sequence read_euroc(const Path& folder) {
     break;
   }
   return sequence;
+}
+
+void add_euroc_pair(Sequence& sequence) {
+  const Path mav = sequence.folder / "mav0";
+  const Path list = mav / "cam1" / "data.csv", sensor = mav / "cam1" / "sensor.yaml";
+  if (!is_there(list) || !is_there(sensor)) return;
+  Sequence listed;
+  list_images(sequence.folder, "mav0/cam1", listed);
+  const CameraSensor other = read_sensor(sensor);
+  const Eigen::Isometry3d T_C0_C =
+      read_sensor(mav / "cam0" / "sensor.yaml").T_body_camera.inverse() * other.T_body_camera;
+  const Eigen::Quaterniond R = Eigen::Quaterniond(T_C0_C.rotation()).normalized();
+  add_camera(sensor, 0, {other.camera, R, T_C0_C.translation()},
+             nearest_images(list, listed, sequence.frames, kTogether), sequence);
 }
 
 }  // namespace slammot

@@ -1,5 +1,8 @@
 #include "datasets/readers/foreign_images.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <set>
 
 #include "datasets/sequence/plausible.h"
@@ -26,6 +29,36 @@ void add_image(const TextTable& table, double timestamp, std::string image, Sequ
 
 void require_frames(const std::filesystem::path& file, const Sequence& sequence) {
   if (sequence.frames.empty()) throw InputError(file, 0, "names no image");
+}
+
+void add_camera(const std::filesystem::path& file, int line, const MountedCamera& camera,
+                std::vector<std::string> images, Sequence& sequence) {
+  constexpr double kLeastBaseline = 1e-4;  // [m], as of the native format
+  if (!(camera.t.norm() >= kLeastBaseline)) {
+    throw InputError(file, line, "the camera stands where the first does: they measure no depth");
+  }
+  sequence.other_cameras.push_back(camera);
+  sequence.other_images.push_back(std::move(images));
+}
+
+std::vector<std::string> nearest_images(const std::filesystem::path& file, const Sequence& listed,
+                                        const std::vector<Frame>& frames, double apart) {
+  std::vector<std::string> images;
+  size_t found = 0, i = 0;
+  const auto gap = [&](size_t k, const Frame& frame) {
+    return std::abs(listed.frames[k].timestamp - frame.timestamp);
+  };
+  for (const Frame& frame : frames) {
+    while (i + 1 < listed.frames.size() && gap(i + 1, frame) <= gap(i, frame)) ++i;
+    const bool is_near = gap(i, frame) <= apart;
+    images.push_back(is_near ? listed.images[i] : "");
+    if (is_near) ++found;
+  }
+  if (found > 0) return images;
+  throw InputError(file, 0,
+                   fmt::format("no image within {} ms of one of the first camera's; --one-camera "
+                               "does without",
+                               1e3 * apart));
 }
 
 std::string image_ending(const std::filesystem::path& folder, const std::string& stem) {

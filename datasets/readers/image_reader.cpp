@@ -13,11 +13,12 @@ namespace {
 
 constexpr ImageReaderRow kImageReaders[] = {
     {"native", "sequence.yaml, frames.csv with a column `image`", is_native, read_native_images},
-    {"euroc", "mav0/cam0/data.csv (EuRoC ASL)", is_euroc, read_euroc},
-    {"tum_rgbd", "rgb.txt (TUM RGB-D)", is_tum_rgbd, read_tum_rgbd},
+    {"euroc", "mav0/cam0/data.csv (EuRoC ASL)", is_euroc, read_euroc, add_euroc_pair},
+    {"tum_rgbd", "rgb.txt (TUM RGB-D)", is_tum_rgbd, read_tum_rgbd, add_tum_depth},
     {"kitti_raw", "image_0N/timestamps.txt, calib_cam_to_cam.txt (KITTI raw)", is_kitti_raw,
-     read_kitti_raw},
-    {"kitti", "calib.txt, times.txt, image_N/ (KITTI odometry)", is_kitti, read_kitti},
+     read_kitti_raw, add_kitti_raw_pair},
+    {"kitti", "calib.txt, times.txt, image_N/ (KITTI odometry)", is_kitti, read_kitti,
+     add_kitti_pair},
 };
 
 }  // namespace
@@ -49,6 +50,13 @@ Sequence read_images(const std::filesystem::path& folder) try {
   throw InputError(folder, 0, "not a sequence of images: neither " + looked_for);
 } catch (const std::filesystem::filesystem_error& error) {
   throw InputError(folder, 0, "cannot be read: " + error.code().message());
+}
+
+void add_other_images(Sequence& sequence) try {
+  const ImageReaderRow* row = find_image_reader(sequence.folder);
+  if (row != nullptr && row->add_others != nullptr) row->add_others(sequence);
+} catch (const std::filesystem::filesystem_error& error) {
+  throw InputError(sequence.folder, 0, "cannot be read: " + error.code().message());
 }
 
 std::vector<bool> images_present(const Sequence& sequence) {

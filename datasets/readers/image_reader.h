@@ -16,6 +16,7 @@ struct ImageReaderRow {
   std::string_view description;  // what it is recognised by
   bool (*recognises)(const std::filesystem::path& folder);
   Sequence (*read)(const std::filesystem::path& folder);
+  void (*add_others)(Sequence& sequence) = nullptr;  // where the layout may have more than that
 };
 std::span<const ImageReaderRow> image_reader_table();
 
@@ -27,6 +28,10 @@ const ImageReaderRow* find_image_reader(const std::filesystem::path& folder);
 // the project's convention. Throws InputError if no row recognises the folder, if it cannot be
 // listed, or for a line that is refused.
 Sequence read_images(const std::filesystem::path& folder);
+
+// Adds what lies beside them: a second camera with its images, or depth images. Nothing where the
+// layout has none. Throws InputError.
+void add_other_images(Sequence& sequence);
 
 // Whether the file of each image exists, in the order of the frames: asked before the first image
 // is decoded, so that a missing frame is not found after an hour.

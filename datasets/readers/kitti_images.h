@@ -17,6 +17,7 @@ namespace slammot {
 
 bool is_kitti(const std::filesystem::path& folder);
 Sequence read_kitti(const std::filesystem::path& folder);
+void add_kitti_pair(Sequence& sequence);  // image_1 beside image_0, image_3 beside image_2
 
 // A row of a KITTI calibration file, `KEY: numbers`.
 struct CalibrationRow {
@@ -36,5 +37,9 @@ struct RectifiedCamera {
   int line = 0;            // of the row
 };
 RectifiedCamera rectified_camera(const std::filesystem::path& file, const std::string& key);
+
+// Appends the camera of row `second` beside that of row `first`, which is camera 0.
+void add_rectified(const std::filesystem::path& file, const std::string& first,
+                   const std::string& second, std::vector<std::string> images, Sequence& sequence);
 
 }  // namespace slammot

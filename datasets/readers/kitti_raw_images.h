@@ -13,5 +13,6 @@ namespace slammot {
 
 bool is_kitti_raw(const std::filesystem::path& folder);
 Sequence read_kitti_raw(const std::filesystem::path& folder);
+void add_kitti_raw_pair(Sequence& sequence);  // as add_kitti_pair()
 
 }  // namespace slammot

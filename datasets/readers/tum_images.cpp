@@ -30,6 +30,15 @@ void state_camera(std::string_view text, Sequence& sequence) {
   sequence.camera = sequence.camera_assumed ? kRosDefault : named->second;
 }
 
+// Rows of a time and a file.
+void list_images(const std::filesystem::path& file, std::string_view text, Sequence& sequence) {
+  TextTable table(file, text);
+  while (table.next_blank_row(2)) {
+    add_image(table, table.real(0), std::string(table.field(1)), sequence);
+  }
+  require_frames(file, sequence);
+}
+
 }  // namespace
 
 bool is_tum_rgbd(const std::filesystem::path& folder) {
@@ -41,16 +50,23 @@ Sequence read_tum_rgbd(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "rgb.txt";
   const std::string text = read_text_file(file);
   state_camera(text, sequence);
-  TextTable table(file, text);
-  while (table.next_blank_row(2)) {
-    add_image(table, table.real(0), std::string(table.field(1)), sequence);
-  }
-  require_frames(file, sequence);
+  list_images(file, text, sequence);
   const std::filesystem::path truth = folder / "groundtruth.txt";
   if (is_there(truth)) {
     sequence.truth = true_cameras(read_poses(truth, read_text_file(truth)), sequence.frames);
   }
   return sequence;
+}
+
+// The two cameras are not triggered together.
+void add_tum_depth(Sequence& sequence) {
+  constexpr double kApart = 0.02;  // [s]
+  const std::filesystem::path file = sequence.folder / "depth.txt";
+  if (!std::filesystem::is_regular_file(file)) return;
+  Sequence listed;
+  list_images(file, read_text_file(file), listed);
+  sequence.depth_images = nearest_images(file, listed, sequence.frames, kApart);
+  sequence.depth_unit = 1.0 / 5000.0;
 }
 
 }  // namespace slammot

@@ -43,6 +43,8 @@ Sequence select_frames(Sequence sequence, int first, int last, int step) {
   if (!chosen.empty()) sequence.initial = initial_at(sequence, chosen.front());
   keep(sequence.frames, chosen);
   keep(sequence.images, chosen);
+  for (auto& images : sequence.other_images) keep(images, chosen);
+  keep(sequence.depth_images, chosen);
   keep(sequence.truth, chosen);
   return sequence;
 }

@@ -32,6 +32,11 @@ struct Sequence {
   std::vector<Frame> frames;
   std::vector<std::string>
       images;  // as `frames`, relative to the folder; empty when there are none
+  std::vector<std::vector<std::string>> other_images;  // as `other_cameras`: as `images`, but ""
+                                                       // where a frame has none
+  std::vector<std::string>
+      depth_images;         // of camera 0, likewise: 16 bits, 0 where nothing is known
+  double depth_unit = 0.0;  // of their values [m]
   std::vector<std::optional<CameraState>> truth;  // as `frames`: pose from groundtruth; velocities
                                                   // are central differences, exact when simulated
   std::map<int, TrueLandmark> landmarks;          // by track

@@ -48,7 +48,15 @@ void check(const Sequence& s) {
 }
 
 void read_measured(const Path& folder) { check(read_sequence(folder)); }
-void read_imaged(const Path& folder) { check_frames(read_images(folder)); }
+void read_imaged(const Path& folder) {
+  Sequence s = read_images(folder);
+  check_frames(s);
+  add_other_images(s);
+  for (const MountedCamera& other : s.other_cameras) {
+    require(other.t.allFinite() && other.R.coeffs().allFinite(), "another camera");
+    require(s.other_images.back().size() == s.frames.size(), "its images");
+  }
+}
 void read_camera_alone(const Path& folder) {
   const Path file = folder / "camera.yaml";
   const Camera camera = read_camera_file(file, read_text_file(file)).camera;
@@ -77,19 +85,28 @@ Files euroc() {
            "T_BS:\n  rows: 4\n  data: [0, -1, 0, 0.1, 1, 0, 0, 0.2, 0, 0, 1, 0.3, 0, 0, 0, 1]\n"
            "resolution: [752, 480]\nintrinsics: [458.654, 457.296, 367.215, 248.375]\n"
            "distortion_model: radial-tangential\ndistortion_coefficients: [-0.28, 0.07, 0, 0]\n"},
+          {"mav0/cam1/data.csv", "#timestamp [ns],filename\n1000000000,c.png\n1050000000,d.png\n"},
+          {"mav0/cam1/sensor.yaml",
+           "T_BS:\n  data: [0, -1, 0, 0.1, 1, 0, 0, 0.3, 0, 0, 1, 0.3, 0, 0, 0, 1]\n"
+           "resolution: [752, 480]\nintrinsics: [458.654, 457.296, 367.215, 248.375]\n"
+           "distortion_model: radial-tangential\ndistortion_coefficients: [-0.28, 0.07, 0, 0]\n"},
           {"mav0/state_groundtruth_estimate0/data.csv",
            "#t,x,y,z,qw,qx,qy,qz\n1000000000,0,0,0,1,0,0,0\n1050000000,1,0,0,0.6,0.8,0,0\n"}};
 }
 
 Files tum() {
   return {{"rgb.txt", "# color images\n1.00 rgb/a.png\n1.05 rgb/b.png\n"},
+          {"depth.txt", "# depth maps\n1.01 depth/a.png\n1.06 depth/b.png\n"},
           {"groundtruth.txt", "1.0 0 0 0 0 0 0 1\n1.06 1 0 0 0 0 0.6 0.8\n"}};
 }
 
 Files kitti() {
-  return {{"calib.txt", "P0: 718 0 607 0 0 718 185 0 0 0 1 0\n"},
+  return {{"calib.txt",
+           "P0: 718 0 607 0 0 718 185 0 0 0 1 0\n"
+           "P1: 718 0 607 -386 0 718 185 0 0 0 1 0\n"},
           {"times.txt", "0\n0.1\n"},
           {"image_0/000000.png", ""},
+          {"image_1/000000.png", ""},
           {"poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 0.9\n"}};
 }
 
@@ -122,6 +139,9 @@ constexpr Target kTargets[] = {
     {"euroc_sensor", euroc, "mav0/cam0/sensor.yaml", read_imaged},
     {"euroc_truth", euroc, "mav0/state_groundtruth_estimate0/data.csv", read_imaged},
     {"tum_images", tum, "rgb.txt", read_imaged},
+    {"euroc_second_images", euroc, "mav0/cam1/data.csv", read_imaged},
+    {"euroc_second_sensor", euroc, "mav0/cam1/sensor.yaml", read_imaged},
+    {"tum_depths", tum, "depth.txt", read_imaged},
     {"tum_truth", tum, "groundtruth.txt", read_imaged},
     {"kitti_calibration", kitti, "calib.txt", read_imaged},
     {"kitti_times", kitti, "times.txt", read_imaged},
