@@ -45,40 +45,57 @@ void Tracker::begin(const cv::Mat& smooth, int number, const Eigen::Vector2d& pi
       {number, *patch, {Eigen::Matrix2d::Identity(), pixel}, {0.0, 0.0}, patch->sigma()});
 }
 
-void Tracker::follow(const std::vector<cv::Mat>& pyramid, const cv::Mat& smooth) {
-  if (tracks_.empty()) return;
+std::vector<std::optional<Patch::Fit>> Tracker::find_in(
+    const cv::Mat& image, const std::vector<Eigen::Vector2d>& guesses) const {
+  std::vector<cv::Mat> pyramid;
+  cv::buildOpticalFlowPyramid(image, pyramid, {options_.window, options_.window}, options_.levels);
+  return find(pyramid_, pyramid, smoothed(image), guesses);
+}
+
+// From the image of the pyramid `from`, where they are, to that of `pyramid`.
+std::vector<std::optional<Patch::Fit>> Tracker::find(
+    const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& pyramid, const cv::Mat& smooth,
+    const std::vector<Eigen::Vector2d>& guesses) const {
+  std::vector<std::optional<Patch::Fit>> fits(tracks_.size());
+  if (tracks_.empty()) return fits;
   std::vector<cv::Point2f> before, after;
-  for (const Track& track : tracks_) {
-    before.push_back(point_of(track.warp.t));
-    after.push_back(point_of(track.warp.t + track.step));
-  }
+  for (const Track& track : tracks_) before.push_back(point_of(track.warp.t));
+  for (const Eigen::Vector2d& guess : guesses) after.push_back(point_of(guess));
   std::vector<cv::Point2f> back = before;  // where they should come back to, a fair first guess
   std::vector<uchar> found, found_back;
   const cv::Size window(options_.window, options_.window);
   const cv::TermCriteria enough(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.01);
-  cv::calcOpticalFlowPyrLK(pyramid_, pyramid, before, after, found, cv::noArray(), window,
+  cv::calcOpticalFlowPyrLK(from, pyramid, before, after, found, cv::noArray(), window,
                            options_.levels, enough, cv::OPTFLOW_USE_INITIAL_FLOW);
-  cv::calcOpticalFlowPyrLK(pyramid, pyramid_, after, back, found_back, cv::noArray(), window,
+  cv::calcOpticalFlowPyrLK(pyramid, from, after, back, found_back, cv::noArray(), window,
                            options_.levels, enough, cv::OPTFLOW_USE_INITIAL_FLOW);
-  std::vector<char> alive(tracks_.size(), 0);
   cv::parallel_for_({0, static_cast<int>(tracks_.size())}, [&](const cv::Range& range) {
     for (int k = range.start; k < range.end; ++k) {
       const auto i = static_cast<size_t>(k);
       const double missed = (vector_of(back[i]) - vector_of(before[i])).norm();
       if (found[i] == 0 || found_back[i] == 0 || !(missed < options_.forward_backward)) continue;
-      Track& track = tracks_[i];
       const Eigen::Vector2d guess = vector_of(after[i]);
-      const auto fit = track.patch.align(smooth, {track.warp.A, guess});
+      const auto fit = tracks_[i].patch.align(smooth, {tracks_[i].warp.A, guess});
       if (!fit || fit->correlation < options_.least_correlation) continue;
       if ((fit->warp.t - guess).norm() > options_.most_correction) continue;
-      track.step = fit->warp.t - track.warp.t;
-      track.warp = fit->warp;
-      track.sigma = fit->sigma;
-      alive[i] = 1;
+      fits[i] = fit;
     }
   });
+  return fits;
+}
+
+void Tracker::follow(const std::vector<cv::Mat>& pyramid, const cv::Mat& smooth) {
+  std::vector<Eigen::Vector2d> guesses;
+  for (const Track& track : tracks_) guesses.emplace_back(track.warp.t + track.step);
+  const auto fits = find(pyramid_, pyramid, smooth, guesses);
+  for (size_t i = 0; i < tracks_.size(); ++i) {
+    if (!fits[i]) continue;
+    tracks_[i].step = fits[i]->warp.t - tracks_[i].warp.t;
+    tracks_[i].warp = fits[i]->warp;
+    tracks_[i].sigma = fits[i]->sigma;
+  }
   size_t i = 0;
-  std::erase_if(tracks_, [&](const Track&) { return alive[i++] == 0; });
+  std::erase_if(tracks_, [&](const Track&) { return !fits[i++]; });
 }
 
 // Of two tracks that have come close the older one stays.

@@ -9,6 +9,7 @@
 // The result does not depend on the number of threads: each point is computed by itself.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "frontend/tracking/corners.h"
@@ -39,6 +40,11 @@ class Tracker {
   // are never used twice; seeds have 0, 1, ... in their order.
   std::vector<Observation> process(const cv::Mat& image);
 
+  // The points that process() returned last, in their order, in another image of that moment:
+  // looked for from `guesses`. Nothing where one is not found.
+  std::vector<std::optional<Patch::Fit>> find_in(const cv::Mat& image,
+                                                 const std::vector<Eigen::Vector2d>& guesses) const;
+
  private:
   struct Track {
     int number;
@@ -48,6 +54,10 @@ class Tracker {
     double sigma;          // of the warp's t [px]
   };
 
+  std::vector<std::optional<Patch::Fit>> find(const std::vector<cv::Mat>& from,
+                                              const std::vector<cv::Mat>& pyramid,
+                                              const cv::Mat& smooth,
+                                              const std::vector<Eigen::Vector2d>& guesses) const;
   void follow(const std::vector<cv::Mat>& pyramid, const cv::Mat& smooth);
   void drop_crowded(const cv::Size& size);
   void replenish(const cv::Mat& image, const cv::Mat& smooth);
