@@ -138,17 +138,19 @@ std::string camera_text(const Camera& camera, const std::string& source) {
 
 // How the measurements were made: track.yaml, for people.
 void add_description(const TrackArguments& arguments, const TrackedImages& tracked,
-                     OutputFiles& files) {
+                     const std::vector<std::string>& beside, OutputFiles& files) {
   std::string warnings;
   for (const std::string& warning : tracked.warnings) {
     warnings += fmt::format("{}\"{}\"", warnings.empty() ? "" : ", ", printable(warning));
   }
+  const std::string beside_text =
+      beside.empty() ? "" : fmt::format("beside: \"{}\"\n", fmt::join(beside, "; "));
   files.write(Path(arguments.output) / kTrackingOutput.mark,
               fmt::format("version: \"{}\"\ncommand: \"{}\"\nframes: {}\nframes_skipped: {}\n"
-                          "tracks: {}\nfollowed: \"{}\"\npixel_sigma: \"{}\"\nwarnings: [{}]\n",
+                          "tracks: {}\nfollowed: \"{}\"\n{}pixel_sigma: \"{}\"\nwarnings: [{}]\n",
                           version_text(), command_line(), tracked.sequence.frames.size(),
                           tracked.skipped.size(), tracked.tracks, health_text(tracked.health),
-                          noise_text(tracked, arguments.options.noise), warnings));
+                          beside_text, noise_text(tracked, arguments.options.noise), warnings));
 }
 
 TrackedImages track(const ImagesToTrack& images, const TrackOptions& options) {
@@ -169,7 +171,8 @@ TrackedImages track(const ImagesToTrack& images, const TrackOptions& options) {
   return tracked;
 }
 
-void print_summary(const ImagesToTrack& images, const TrackedImages& tracked, double seconds,
+void print_summary(const ImagesToTrack& images, const TrackedImages& tracked,
+                   const std::vector<std::string>& beside, double seconds,
                    const TrackArguments& arguments) {
   const Sequence& sequence = tracked.sequence;
   for (const std::string& reason : tracked.skipped) fmt::print("skipped: {}\n", reason);
@@ -177,8 +180,11 @@ void print_summary(const ImagesToTrack& images, const TrackedImages& tracked, do
   fmt::print("{}: {} frames, {} skipped, {} tracks, {:.1f} frames/s\ncamera {}\n", sequence.name,
              frames, tracked.skipped.size(), tracked.tracks, frames / seconds,
              camera_text(sequence.camera, images.camera));
+  for (const std::string& text : beside) fmt::print("{}\n", text);
   if (!images.unused.empty()) {
-    fmt::print("not used {}: one camera's images are\n", fmt::join(images.unused, ", "));
+    fmt::print("not used {}: {} images are{}\n", fmt::join(images.unused, ", "),
+               sequence.other_cameras.empty() ? "one camera's" : "two cameras'",
+               images.sequence.depth_images.empty() ? "" : ", and depths");
   }
   fmt::print("followed {}\npixel_sigma {}\n{}\n", health_text(tracked.health),
              noise_text(tracked, arguments.options.noise), arguments.output);
@@ -211,9 +217,10 @@ int execute(TrackArguments arguments) {
   relocate_images(arguments.output, tracked.sequence);
   OutputFiles files;
   add_native(tracked.sequence, arguments.output, NativeParts::kAll, files);
-  add_description(arguments, tracked, files);
+  const auto beside = beside_texts(images.sequence, tracked.sequence.frames);
+  add_description(arguments, tracked, beside, files);
   files.put_in_place();
-  print_summary(images, tracked, seconds, arguments);
+  print_summary(images, tracked, beside, seconds, arguments);
   return 0;
 }
 

@@ -55,18 +55,28 @@ cv::Mat eight_bits(cv::Mat image) {
   return image;
 }
 
+void require_size(const std::filesystem::path& file, const cv::Mat& image, cv::Size size) {
+  if (image.size() == size) return;
+  throw InputError(file, 0,
+                   fmt::format("the image is {}x{}, not {}x{}", image.cols, image.rows, size.width,
+                               size.height));
+}
+
 }  // namespace
 
 cv::Mat decode_image(const std::filesystem::path& file) { return eight_bits(decode(file)); }
 
+cv::Mat decode_depth(const std::filesystem::path& file, cv::Size size) {
+  cv::Mat image = decode(file);
+  if (image.type() != CV_16UC1) throw InputError(file, 0, "a depth image has 16 bits, no colour");
+  require_size(file, image, size);
+  return image;
+}
+
 cv::Mat ImageSource::read(const std::filesystem::path& file) {
   cv::Mat image = decode(file);
   if (size_.area() == 0) size_ = image.size();
-  if (image.size() != size_) {
-    throw InputError(file, 0,
-                     fmt::format("the image is {}x{}, not {}x{}", image.cols, image.rows,
-                                 size_.width, size_.height));
-  }
+  require_size(file, image, size_);
   if (!channels_) channels_ = image.channels();
   if (image.channels() != *channels_ && !mixed_colours_) {
     throw InputError(

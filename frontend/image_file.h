@@ -21,6 +21,9 @@ class ImageSource {
   // missing, truncated, not an image, neither 8 nor 16 bits, another size, or grey among colour.
   cv::Mat read(const std::filesystem::path& file);
 
+  // Of what is read from now on.
+  void expect(cv::Size size) { size_ = size; }
+
   // Where the values of all 16-bit images read so far hardly reach their high byte: that.
   std::optional<std::string> depth_fault() const;
 
@@ -33,5 +36,8 @@ class ImageSource {
 
 // The image as it is stored, 1 or 3 channels (BGR), of 16 bits the high byte. Throws InputError.
 cv::Mat decode_image(const std::filesystem::path& file);
+
+// A depth image: 16 bits, one channel, of this size. Throws InputError.
+cv::Mat decode_depth(const std::filesystem::path& file, cv::Size size);
 
 }  // namespace slammot

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "datasets/camera/camera_file.h"
 #include "datasets/native/native_tables.h"
 #include "datasets/readers/image_reader.h"
@@ -34,14 +36,36 @@ void find_frames(const ImageOptions& options, ImagesToTrack& found) {
   if (const auto fault = numbering_fault(found.sequence.images)) found.warnings.push_back(*fault);
 }
 
-// So that nobody thinks that two cameras, depth or an IMU were used.
+// A camera of one's own is that of camera 0: the folder's second one does not go with it. A native
+// rig names the images of camera 0 only.
+void find_others(const ImageOptions& options, ImagesToTrack& found) {
+  Sequence& sequence = found.sequence;
+  if (!sequence.other_cameras.empty()) {
+    found.unused.emplace_back("the other cameras of sequence.yaml");
+  }
+  if (!options.one_camera) add_other_images(sequence);
+  if (!options.camera.empty()) sequence.other_images.clear();
+  if (sequence.other_images.empty()) sequence.other_cameras.clear();
+}
+
+bool is_used(const std::string& place, const Sequence& sequence) {
+  const auto lies_there = [&](const std::string& image) { return image.starts_with(place + "/"); };
+  return lies_there(sequence.images.front()) ||
+         std::ranges::any_of(
+             sequence.other_images,
+             [&](const auto& images) { return std::ranges::any_of(images, lies_there); }) ||
+         (place == "depth.txt" && !sequence.depth_images.empty());
+}
+
+// So that nobody thinks that two cameras, depth or an IMU were used where they were not.
 void find_unused(ImagesToTrack& found) {
   const Sequence& sequence = found.sequence;
   for (const char* place :
        {"depth.txt", "mav0/cam1", "mav0/imu0", "image_0", "image_1", "image_2", "image_3",
         "image_00", "image_01", "image_02", "image_03", "velodyne_points"}) {
-    const bool used = sequence.images.front().starts_with(std::string(place) + "/");
-    if (!used && std::filesystem::exists(sequence.folder / place)) found.unused.push_back(place);
+    if (!is_used(place, sequence) && std::filesystem::exists(sequence.folder / place)) {
+      found.unused.push_back(place);
+    }
   }
 }
 
@@ -93,6 +117,9 @@ void add_image_options(CLI::App& command, ImageOptions& options) {
                   "images a second, of a plain folder; of a film instead of its own times")
       ->type_name("HZ")
       ->check(CLI::Range(1e-3, 1e6));
+  command.add_flag("--one-camera", options.one_camera,
+                   "take the first camera's images only, where the folder has a second one or "
+                   "depth images");
   command
       .add_option("--truth", options.truth,
                   "true poses, as in groundtruth.tum, instead of the sequence's own")
@@ -102,7 +129,10 @@ void add_image_options(CLI::App& command, ImageOptions& options) {
 ImagesToTrack find_images(const ImageOptions& options) {
   ImagesToTrack found;
   find_frames(options, found);
-  if (!found.film) find_unused(found);
+  if (!found.film) {
+    find_others(options, found);
+    find_unused(found);
+  }
   find_camera(options, found);
   if (!options.truth.empty()) find_truth(options.truth, found.sequence);
   return found;

@@ -12,6 +12,7 @@ struct ImageOptions {
   std::string images;          // a folder or a film
   std::string camera;          // a file; empty: as the folder states it
   std::optional<double> rate;  // [Hz] of a plain folder; of a film: instead of its own
+  bool one_camera = false;     // neither another camera nor depth images
   std::string truth;           // a file, as groundtruth.tum; empty: as the folder has it
 };
 

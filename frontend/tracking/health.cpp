@@ -67,4 +67,25 @@ std::vector<std::string> health_faults(const TrackHealth& health) {
   return faults;
 }
 
+std::vector<std::string> beside_texts(const Sequence& images, const std::vector<Frame>& frames) {
+  size_t all = 0, depths = 0;
+  std::vector<size_t> matches(images.other_images.size());
+  for (const Frame& frame : frames) {
+    all += frame.observations.size();
+    for (const Observation& z : frame.observations) depths += z.has_depth() ? 1 : 0;
+    for (const Observation& z : frame.other_views) ++matches[static_cast<size_t>(z.camera) - 1];
+  }
+  const auto share = [all](size_t some) {
+    const double percent = 100.0 * static_cast<double>(some) / static_cast<double>(all);
+    return fmt::format("{} of {} measurements ({:.1f}%)", some, all, all > 0 ? percent : 0.0);
+  };
+  std::vector<std::string> texts;
+  for (size_t c = 0; c < matches.size(); ++c) {
+    texts.push_back(fmt::format("camera {}, {:.4g} m from camera 0, matches {}", c + 1,
+                                images.other_cameras[c].t.norm(), share(matches[c])));
+  }
+  if (!images.depth_images.empty()) texts.push_back("depth images measure " + share(depths));
+  return texts;
+}
+
 }  // namespace slammot

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "models/measurement.h"
+#include "datasets/sequence/sequence.h"
 
 namespace slammot {
 
@@ -22,5 +22,9 @@ TrackHealth track_health(const std::vector<Frame>& frames);
 
 // Where fewer than ten are followed, or none between two images: that.
 std::vector<std::string> health_faults(const TrackHealth& health);
+
+// How many of the measurements have a match in each other camera, or a depth. `images` as it was
+// tracked; nothing where it has no images but those of camera 0.
+std::vector<std::string> beside_texts(const Sequence& images, const std::vector<Frame>& frames);
 
 }  // namespace slammot

@@ -160,6 +160,7 @@ void state_noise(const std::optional<TrackNoise>& noise, NoiseModel model, Seque
     if (noise) sequence.pixel_sigma = std::max(kLeastStated, noise->sigma);
     for (Frame& frame : sequence.frames) {
       for (Observation& z : frame.observations) z.relative_sigma = 1.0;
+      for (Observation& z : frame.other_views) z.relative_sigma = 1.0;
     }
     return;
   }
@@ -169,10 +170,14 @@ void state_noise(const std::optional<TrackNoise>& noise, NoiseModel model, Seque
       z.relative_sigma = kLasting * std::hypot(noise->sigma, kMismatch * z.relative_sigma);
       sigmas.push_back(z.relative_sigma);
     }
+    for (Observation& z : frame.other_views) {
+      z.relative_sigma = kLasting * std::hypot(noise->sigma, kMismatch * z.relative_sigma);
+    }
   }
   sequence.pixel_sigma = quantile(std::move(sigmas), 0.5);
   for (Frame& frame : sequence.frames) {
     for (Observation& z : frame.observations) z.relative_sigma /= sequence.pixel_sigma;
+    for (Observation& z : frame.other_views) z.relative_sigma /= sequence.pixel_sigma;
   }
 }
 

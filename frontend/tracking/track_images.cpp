@@ -3,60 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <future>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 #include <set>
 
-#include "datasets/readers/image_reader.h"
 #include "datasets/sequence/plausible.h"
-#include "frontend/image_file.h"
+#include "frontend/tracking/depth_image.h"
+#include "frontend/tracking/frame_images.h"
+#include "frontend/tracking/other_view.h"
 
 namespace slammot {
 namespace {
-
-// An image, or why there is none.
-struct Loaded {
-  cv::Mat image;
-  std::optional<InputError> error;
-};
-
-Loaded load(const ImageFunction& image, size_t place) {
-  try {
-    return {image(place), std::nullopt};
-  } catch (const InputError& error) {
-    return {{}, error};
-  }
-}
-
-// The images in order, the next one being made while the caller is at work.
-class ImageStream {
- public:
-  ImageStream(size_t count, const ImageFunction& image, const TrackOptions& options)
-      : count_(count),
-        image_(image),
-        policy_(options.threads == 1 ? std::launch::deferred : std::launch::async) {
-    request();
-  }
-  Loaded next() {
-    Loaded loaded = pending_.get();
-    request();
-    return loaded;
-  }
-
- private:
-  void request() {
-    if (next_ == count_) return;
-    const size_t place = next_++;
-    pending_ = std::async(policy_, [this, place] { return load(image_, place); });
-  }
-
-  size_t count_;
-  const ImageFunction& image_;
-  std::launch policy_;
-  size_t next_ = 0;
-  std::future<Loaded> pending_;  // last: its task ends before what it uses
-};
 
 // A camera is read before its size is known.
 void take_size(const Sequence& images, const cv::Size& size, Camera& camera) {
@@ -76,21 +33,13 @@ void take_size(const Sequence& images, const cv::Size& size, Camera& camera) {
   if (const Fault fault = camera_fault(camera)) throw InputError(images.folder, 0, *fault);
 }
 
-// Missing files are cheaply found before the first image is decoded.
-void refuse_missing(const Sequence& images) {
-  const std::vector<bool> present = images_present(images);
-  const auto missing = std::find(present.begin(), present.end(), false);
-  if (missing == present.end()) return;
-  const auto frame = static_cast<size_t>(missing - present.begin());
-  throw InputError(images.folder / images.images[frame], 0,
-                   fmt::format("frame {} of {} is missing", frame, present.size()));
-}
-
 // Estimators take the landmarks of the first frame as static. Where that is no fair promise, only
 // what is known of it is measured there, and the rest is new in the second frame.
 void keep_known_only(size_t seeds, Frame& first) {
-  std::erase_if(first.observations,
-                [&](const Observation& z) { return static_cast<size_t>(z.track) >= seeds; });
+  for (auto* views : {&first.observations, &first.other_views}) {
+    std::erase_if(*views,
+                  [&](const Observation& z) { return static_cast<size_t>(z.track) >= seeds; });
+  }
 }
 
 // The board's outer corners become tracks 0 to 3, and these become known.
@@ -122,10 +71,10 @@ void state_chessboard(const BoardView& view, const Chessboard& board, Sequence& 
   sequence.initial = view.camera;
 }
 
-void keep_frame(const Sequence& images, size_t i, std::vector<Observation> observations,
-                Sequence& sequence) {
-  const int index = static_cast<int>(sequence.frames.size());
-  sequence.frames.push_back({index, images.frames[i].timestamp, std::move(observations), {}});
+void keep_frame(const Sequence& images, size_t i, Frame frame, Sequence& sequence) {
+  frame.index = static_cast<int>(sequence.frames.size());
+  frame.timestamp = images.frames[i].timestamp;
+  sequence.frames.push_back(std::move(frame));
   if (!images.images.empty()) sequence.images.push_back(images.images[i]);
   if (!images.truth.empty()) sequence.truth.push_back(images.truth[i]);
 }
@@ -135,14 +84,44 @@ Sequence without_frames(const Sequence& images) {
   sequence.frames.clear();
   sequence.images.clear();
   sequence.truth.clear();
+  sequence.other_images.clear();
+  sequence.depth_images.clear();
+  // A rig of which no other camera's images are known.
+  if (images.other_images.empty()) sequence.other_cameras.clear();
   return sequence;
 }
 
-void track_all(const Sequence& images, const ImageFunction& image, const TrackOptions& options,
+// Cameras by the images of the first frame.
+void begin_views(const Sequence& images, const cv::Size& size, Sequence& sequence,
+                 std::vector<OtherView>& others) {
+  take_size(images, size, sequence.camera);
+  for (MountedCamera& other : sequence.other_cameras) {
+    take_size(images, size, other.lens);
+    others.emplace_back(sequence.camera, other, static_cast<int>(others.size()) + 1);
+  }
+}
+
+Frame measure(const FrameImages& images, double depth_unit, Tracker& tracker,
+              std::vector<OtherView>& others) {
+  Frame frame;
+  frame.observations = tracker.process(images.image);
+  for (size_t c = 0; c < others.size(); ++c) {
+    if (images.others[c].empty()) continue;
+    for (const Observation& z : others[c].match(tracker, images.others[c], frame.observations)) {
+      frame.other_views.push_back(z);
+    }
+  }
+  std::ranges::stable_sort(frame.other_views, {}, &Observation::track);
+  if (!images.depth.empty()) measure_depths(images.depth, depth_unit, frame.observations);
+  return frame;
+}
+
+void track_all(const Sequence& images, const FrameFunction& read, const TrackOptions& options,
                TrackedImages& result) {
   Sequence& sequence = result.sequence;
   Tracker tracker(options.tracker);
-  ImageStream stream(images.frames.size(), image, options);
+  std::vector<OtherView> others;
+  FrameStream stream(images.frames.size(), read, options.threads);
   std::optional<BoardView> board;
   for (size_t i = 0; i < images.frames.size(); ++i) {
     const Loaded loaded = stream.next();
@@ -152,12 +131,12 @@ void track_all(const Sequence& images, const ImageFunction& image, const TrackOp
       continue;
     }
     if (sequence.frames.empty()) {
-      take_size(images, loaded.image.size(), sequence.camera);
+      begin_views(images, loaded.images.image.size(), sequence, others);
       if (options.chessboard) {
-        board = seed_chessboard(loaded.image, *options.chessboard, sequence, tracker);
+        board = seed_chessboard(loaded.images.image, *options.chessboard, sequence, tracker);
       }
     }
-    keep_frame(images, i, tracker.process(loaded.image), sequence);
+    keep_frame(images, i, measure(loaded.images, images.depth_unit, tracker, others), sequence);
     if (options.progress) {
       options.progress(static_cast<int>(i) + 1, static_cast<int>(images.frames.size()));
     }
@@ -175,19 +154,7 @@ void track_all(const Sequence& images, const ImageFunction& image, const TrackOp
   if (board) state_chessboard(*board, *options.chessboard, sequence);
 }
 
-}  // namespace
-
-TrackedImages track_images(const Sequence& images, const TrackOptions& options) {
-  if (!options.skip_bad_frames) refuse_missing(images);
-  const cv::Size size(images.camera.width, images.camera.height);
-  ImageSource source(images.camera_assumed ? cv::Size() : size, options.mixed_colours);
-  const auto read = [&](size_t place) { return source.read(images.folder / images.images[place]); };
-  TrackedImages tracked = track_images(images, read, options);
-  if (const auto fault = source.depth_fault()) tracked.warnings.push_back(*fault);
-  return tracked;
-}
-
-TrackedImages track_images(const Sequence& images, const ImageFunction& image,
+TrackedImages track_frames(const Sequence& images, const FrameFunction& read,
                            const TrackOptions& options) try {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   // More than there are cores gain nothing, and a process may have only so many.
@@ -195,7 +162,7 @@ TrackedImages track_images(const Sequence& images, const ImageFunction& image,
   TrackedImages result;
   result.sequence = without_frames(images);
   result.sequence.points = options.tracker.corners.count;
-  track_all(images, image, options, result);
+  track_all(images, read, options, result);
   std::set<int> tracks;
   for (const Frame& frame : result.sequence.frames) {
     for (const Observation& z : frame.observations) tracks.insert(z.track);
@@ -207,6 +174,29 @@ TrackedImages track_images(const Sequence& images, const ImageFunction& image,
   return result;
 } catch (const cv::Exception& error) {
   throw std::runtime_error(fmt::format("OpenCV: {}", error.err));
+}
+
+}  // namespace
+
+TrackedImages track_images(const Sequence& images, const TrackOptions& options) {
+  if (!options.skip_bad_frames) refuse_missing(images);
+  FrameFiles files(images, options.mixed_colours);
+  TrackedImages tracked = track_frames(
+      images, [&](size_t place) { return files.read(place); }, options);
+  if (const auto fault = files.depth_fault()) tracked.warnings.push_back(*fault);
+  return tracked;
+}
+
+TrackedImages track_images(const Sequence& images, const ImageFunction& image,
+                           const TrackOptions& options) {
+  Sequence alone = images;
+  alone.other_images.clear();
+  return track_frames(
+      alone,
+      [&](size_t place) {
+        return FrameImages{image(place), {}, {}};
+      },
+      options);
 }
 
 }  // namespace slammot

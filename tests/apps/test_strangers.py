@@ -110,15 +110,21 @@ class Strangers(WithFolder):
         self.assertEqual(warned, "")
 
     def test_a_tum_folder_with_depth(self):
-        """Its depth is not used, and that is said; its truth is."""
-        self.copied("tum/rgb"), self.copied("tum/depth", 2)
+        """Its depth is measured where there is any, its truth is used."""
+        self.copied("tum/rgb")
+        (self.folder / "tum/depth").mkdir()
+        for k in range(2):
+            Image.new("I;16", (self.camera["width"], self.camera["height"])).save(self.folder / f"tum/depth/{k}.png")
         times = [line.split()[0] for line in self.truth][:len(self.images)]
         (self.folder / "tum/rgb.txt").write_text("# color images\n" + "".join(f"{t} rgb/{k}.png\n" for k, t in enumerate(times)))
         (self.folder / "tum/depth.txt").write_text("# depth maps\n" + "".join(f"{t} depth/{k}.png\n" for k, t in enumerate(times[:2])))
         (self.folder / "tum/groundtruth.txt").write_text("# timestamp tx ty tz qx qy qz qw\n" + "".join(self.truth))
         said, warned = self.to_report("tum", "tum", "--camera", "camera.yaml")
-        self.assertIn("not used depth.txt: one camera's images are\n", said)
+        self.assertIn("depth images measure 0 of ", said)
+        self.assertNotIn("not used", said)
         self.assertEqual(warned, "")
+        said, _ = self.command("track", "tum", "--camera", "camera.yaml", "--one-camera", "--output", "tum_alone")
+        self.assertIn("not used depth.txt: one camera's images are\n", said)
         self.assertIn("<h1>window on tum</h1>", (self.folder / "tum_run" / "timeline.html").read_text(encoding="utf-8"))
 
     def test_a_film(self):
