@@ -107,7 +107,8 @@ def places_of(run, sequence):
 def true_path(run, sequence):
     """(positions at the times of the poses, nan where no truth is near; error [m]; what was done to them)."""
     import numpy as np
-    from ..judge.accuracy import align, pairs
+    from ..judge.accuracy import pairs
+    from ..judge.alignment import align
     estimated = run.trajectory[["x", "y", "z"]].to_numpy()
     true = np.full_like(estimated, np.nan)
     if sequence.truth is None:
