@@ -88,7 +88,8 @@ std::string mutated(std::string text, std::mt19937& engine) {
 // Where to look: a line, or what is wrong with a file as a whole; of metrics.json, which people do
 // not write, the key or the value.
 constexpr char kWhere[] =
-    ":[0-9]+: |: no row '|: names no image|: not a sequence|: [0-9]+ rows |'sweep' has more than|"
+    ":[0-9]+: |: no row '|: names no image|: no image within|: not a sequence|: [0-9]+ rows "
+    "|'sweep' has more than|"
     "metrics.json: (key '.*' not found|not a count|type must be|not plausible)";
 
 TEST_P(Readers, WithstandSingleMutations) {
