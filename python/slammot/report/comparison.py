@@ -41,7 +41,7 @@ class Run:
     series: dict
     smoothed_series: dict
     configuration: dict
-    position_sigma: dict = field(default_factory=dict)  # timestamp: sqrt(trace(P_rr)) [m]
+    variances: dict = field(default_factory=dict)       # timestamp: the diagonal of P, position [m^2] and rotation [rad^2]
     landmarks: list = field(default_factory=list)       # final: (track, label, x, y, z)
     labels: dict = field(default_factory=dict)          # of the landmarks that had to be classified: label to count
 
@@ -59,6 +59,21 @@ class Run:
         metric = self.table[key]
         path = metric.path.split(".")
         return self.metric(which or self.judged, *path) if metric.of == "trajectory" else self.metric(*path)
+
+    def sigma(self, first, end, unit=1.0):
+        """The root of the sum of these variances at each pose of the series; None where they are not stated."""
+        stated = [self.variances.get(t, [None] * 6)[first:end] for t in self.series.get("timestamp", [])]
+        return [None if None in variances else unit * math.sqrt(sum(variances)) for variances in stated]
+
+    def position_sigma(self):
+        return self.sigma(0, 3)
+
+    def rotation_sigma_deg(self):
+        return self.sigma(3, 6, math.degrees(1.0))
+
+    def axis_sigma(self, k):
+        """Of one axis of the world [m]; none of a run that was turned, whose covariance is in its former axes."""
+        return [None] * len(self.series.get("timestamp", [])) if self.alignment else self.sigma(k, k + 1)
 
     @property
     def divergence(self):
@@ -195,14 +210,14 @@ def number(text):
     return value if math.isfinite(value) else None
 
 
-def read_position_sigma(path):
-    sigmas = {}
+def read_variances(path):
+    found = {}
     for row in rows_of(path):
         timestamp = number(row.get("timestamp"))
-        variances = [number(row.get(name)) for name in ("p11", "p22", "p33")]
-        if timestamp is not None and all(v is not None and v >= 0.0 for v in variances):
-            sigmas[timestamp] = math.sqrt(sum(variances))
-    return sigmas
+        variances = [number(row.get(f"p{i}{i}")) for i in range(1, 7)]
+        if timestamp is not None:
+            found[timestamp] = [None if v is None or v < 0.0 else v for v in variances]
+    return found
 
 
 def read_final_landmarks(path):
@@ -259,7 +274,7 @@ def read_run(output, entry, table, name, colour, several):
         smoothed_series=in_frame_of_truth(entry.get("smoothed_series") or {}),
         configuration=entry.get("configuration") or {},
         # What is stated of the position is not about the aligned one.
-        position_sigma={} if "alignment" in series else read_position_sigma(folder / covariance),
+        variances={} if "alignment" in series else read_variances(folder / covariance),
         landmarks=landmarks, labels=read_label_counts(folder / "classification.csv"))
 
 
