@@ -32,6 +32,7 @@ class Run:
     name: str  # what the page calls it
     estimator: str
     sequence: str  # its name, empty where all runs are of one
+    truth_is_here: bool  # its sequence is the one whose truth the page has
     pooled: str    # the estimator whose runs it is put together with
     kind: str      # filter | smoother | batch | ideal_covariance | foreign
     landmark: str
@@ -261,15 +262,17 @@ def named(entries):
     return names if len(set(names)) == len(names) else [e["label"] for e in entries]
 
 
-def read_run(output, entry, table, name, colour, several):
+def read_run(output, entry, table, name, colour, sequence):
     folder = output / entry["folder"]
     series = in_frame_of_truth(entry.get("series") or {})
     landmarks = read_final_landmarks(folder / "landmarks.csv")
+    own, several = entry.get("sequence") or {}, sequence.get("count", 1) > 1
     covariance = "pose_covariance_smoothed.csv" if entry.get("kind") == "batch" else "pose_covariance.csv"
     if "alignment" in series:
         landmarks = [(track, label, *placed(series["alignment"], p)) for track, label, *p in landmarks]
     return Run(
-        label=entry["label"], name=name, estimator=entry["estimator"], sequence=(entry.get("sequence") or {}).get("name", "") if several else "", pooled=entry.get("pooled", ""), kind=entry.get("kind", ""), landmark=entry["landmark"],
+        label=entry["label"], name=name, estimator=entry["estimator"], sequence=own.get("name", "") if several else "",
+        truth_is_here=not several or all(own.get(key) == sequence.get(key) for key in ("name", "sha256") if key in own), pooled=entry.get("pooled", ""), kind=entry.get("kind", ""), landmark=entry["landmark"],
         colour=colour, metrics=entry.get("metrics") or {}, table=table, series=series,
         smoothed_series=in_frame_of_truth(entry.get("smoothed_series") or {}),
         configuration=entry.get("configuration") or {},
@@ -304,7 +307,7 @@ def read_comparison(output):
         entries = content["runs"]
         table = read_table(content["metrics"])
         estimators = read_estimators(together["estimators"])
-        runs = [read_run(path.parent, entry, table, name, colour_of(entry, i, estimators), content["sequence"].get("count", 1) > 1)
+        runs = [read_run(path.parent, entry, table, name, colour_of(entry, i, estimators), content["sequence"])
                 for i, (entry, name) in enumerate(zip(entries, named(entries)))]
         return Comparison(command=content["command"], version=content["version"], provenance=content.get("provenance", {}),
                           sequence=content["sequence"], truth=content.get("truth") or {}, table=table, runs=runs,

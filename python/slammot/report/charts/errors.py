@@ -25,7 +25,7 @@ def of_truth(comparison):
 
 def drawn_runs(comparison):
     """Those drawn one by one, as far as they are of the sequence whose truth is known here."""
-    return [run for run in figures.representatives(comparison) if run.sequence in ("", comparison.sequence["name"])]
+    return [run for run in figures.representatives(comparison) if run.truth_is_here]
 
 
 def both_sides(name, times, sigma, colour, **more):
