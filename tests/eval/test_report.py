@@ -362,7 +362,7 @@ class Report(unittest.TestCase):
         for name in figures:
             start = done.stdout.index(f'id="chart-{name}"')
             figure = done.stdout[start:done.stdout.find("<h2", start)]
-            marks = re.findall(r'class="js-line"[^>]*\bd="M[^"]{20,}|class="point"><path d="M', figure)
+            marks = re.findall(r'class="(?:js-line|box)"[^>]*\bd="M[^"]{20,}|class="point"><path d="M', figure)
             self.assertGreaterEqual(len(marks), lines, f"the figure {name} is empty")
 
     def test_what_the_page_says(self):
@@ -445,7 +445,7 @@ class Report(unittest.TestCase):
         self.assertEqual([(t["x"], t["y"], t["xaxis"]) for t in of_mine], [([2, 5], [0.9, 0.5], "x"), ([5], [1.1], "x3")])
         self.assertAlmostEqual(of_mine[0]["error_y"]["array"][1], 0.1)
         self.assertFalse([t for t in self.charts()["lag"]["data"] if t["name"] == "ekf"])
-        self.assert_drawn(["trajectory", "position_error", "axis_errors", "error_path", "nees", "lag", "runtime"], lines=2)
+        self.assert_drawn(["distribution", "trajectory", "position_error", "axis_errors", "error_path", "nees", "lag", "runtime"], lines=2)
         with_measured_truth(self.comparison)
         self.assertNotIn("Poses at a lag", self.text_of_report(run_files=False))
 
@@ -517,10 +517,12 @@ class Report(unittest.TestCase):
 
     def test_errors_of_another_sequence_than_the_first_are_not_measured_by_its_truth(self):
         pooled(self.comparison)
-        for run, name in zip(self.comparison["runs"], ("circle", "circle", "circle-2", "circle-2")):
-            run["sequence"] = {"name": name}
-        self.text_of_report()
-        self.assertEqual({t["name"] for t in self.charts()["axis_errors"]["data"] if t["showlegend"]}, {"ekf-0"})
+        for other in ({"name": "circle-2", "sha256": "0f" * 32}, {"name": "circle", "sha256": "1e" * 32}):
+            for run in self.comparison["runs"]:
+                run["sequence"] = {"name": "circle", "sha256": "0f" * 32} if run["pooled"] == "ekf" else other
+            self.text_of_report(run_files=False)
+            for name in ("axis_errors", "error_path"):
+                self.assertEqual({t["name"] for t in self.charts()[name]["data"]} - {"truth"}, {"ekf-0"})
 
     def test_a_path_has_the_colours_of_its_error(self):
         run = self.comparison["runs"][0]
@@ -552,6 +554,27 @@ class Report(unittest.TestCase):
         wide = figures.log_ticks([1e-3, 1e15])
         self.assertLess(len(wide["tickvals"]), 10)
         self.assertIn("10<sup>9</sup>", wide["ticktext"])
+
+    def test_every_run_of_an_estimator_is_a_point_of_its_box(self):
+        pooled(self.comparison)
+        diverged(self.comparison["runs"][1])
+        self.comparison["runs"][2]["metrics"].update(failed=True, failed_at=3)
+        self.text_of_report(run_files=False)
+        boxes = {(t["name"], t["xaxis"]): t for t in self.charts()["distribution"]["data"]}
+        of = [run["metrics"]["filtered"] for run in self.comparison["runs"]]
+        self.assertEqual(boxes["ekf", "x"]["x"], [of[0]["accuracy"]["position_rmse_m"]])
+        self.assertEqual(boxes["mine", "x"]["x"], [run["accuracy"]["position_rmse_m"] for run in of[2:]])
+        self.assertEqual(boxes["mine", "x2"]["x"], [run["nees"]["pose"]["mean"] for run in of[2:]])
+        self.assertEqual([text.endswith(", failed") for text in boxes["mine", "x"]["text"]], [True, False])
+        self.comparison = made_comparison()
+        self.text_of_report(run_files=False)
+        self.assertNotIn("distribution", self.charts())
+
+    def test_one_pair_of_runs_is_no_table_above_the_summary(self):
+        pooled(self.comparison)
+        self.assertIn("Paired differences", self.text_of_report(run_files=False))
+        self.comparison["pairs"][0].update(pairs=1, wins_a=1, wins_b=0)
+        self.assertNotIn("Paired differences", self.text_of_report(run_files=False))
 
     def test_pictures_are_carried_in_the_page(self):
         slider = self.output / self.comparison["runs"][0]["label"] / "pictures" / "slider"
