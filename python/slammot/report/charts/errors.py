@@ -128,5 +128,5 @@ def error_path(comparison):
         axes[f"yaxis{number}"] = axis("z [m]", domain=y, anchor=f"x{number}", range=along, scaleanchor=f"x{number}", constrain="domain")
         titles.append({"text": run.name, "x": x[0], "y": y[1], "xref": "paper", "yref": "paper", "xanchor": "left", "yanchor": "bottom",
                        "showarrow": False, "font": {"color": run.colour}})
-    scale = {"colorscale": "Cividis", "reversescale": True, "cmin": 0.0, "cmax": top, "colorbar": {"title": {"text": "error [m]", "side": "right"}, "thickness": 14}}
+    scale = {"colorscale": "Cividis", "reversescale": True, "cmin": 0.0, "cmax": top, "colorbar": {"title": {"text": "error [m]", "side": "right"}, "thickness": 14, "len": 0.8, "y": 0, "yanchor": "bottom"}}
     return {"data": traces, "layout": layout(60 + 360 * ((len(runs) + 1) // 2), annotations=titles, coloraxis=scale, **axes)}
