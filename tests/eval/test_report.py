@@ -20,7 +20,8 @@ from unittest import mock
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "python"))
-from slammot.report import compare_report, comparison, metrics, page, study_figures, study_tables, tables  # noqa: E402
+from slammot.report import compare_report, comparison, figures, metrics, page, study_figures, study_tables, tables  # noqa: E402
+from slammot.report.comparison import read_variances  # noqa: E402
 
 page.packed = functools.cache(page.packed)  # Plotly is the same on every page
 CHROMIUM = ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
@@ -361,7 +362,7 @@ class Report(unittest.TestCase):
         for name in figures:
             start = done.stdout.index(f'id="chart-{name}"')
             figure = done.stdout[start:done.stdout.find("<h2", start)]
-            marks = re.findall(r'class="js-line"[^>]*\bd="M[^"]{20,}|class="point"><path d="M', figure)
+            marks = re.findall(r'class="(?:js-line|box)"[^>]*\bd="M[^"]{20,}|class="point"><path d="M', figure)
             self.assertGreaterEqual(len(marks), lines, f"the figure {name} is empty")
 
     def test_what_the_page_says(self):
@@ -381,7 +382,7 @@ class Report(unittest.TestCase):
         self.assertIn("length of the path km", text)  # a metric that only the table knows
         self.assertIn("41.375", text)
         self.assertIn("0f" * 32, text)
-        self.assert_drawn(["trajectory", "position_error", "nees", "runtime"])
+        self.assert_drawn(["trajectory", "position_error", "axis_errors", "error_path", "nees", "runtime"])
 
     def test_without_truth_and_without_run_files(self):
         without_truth(self.comparison)
@@ -402,7 +403,7 @@ class Report(unittest.TestCase):
             self.assertAlmostEqual(path["x"][i], true_position(i)[0], delta=0.5)
             self.assertAlmostEqual(path["y"][i], true_position(i)[2], delta=0.5)
         self.assertFalse([t for t in charts["position_error"]["data"] if "2σ" in t["name"]])
-        self.assert_drawn(["trajectory", "position_error", "runtime"])
+        self.assert_drawn(["trajectory", "position_error", "axis_errors", "error_path", "runtime"])
 
     def bold_columns(self):
         """Run to the names of the columns in which it is the best."""
@@ -444,7 +445,7 @@ class Report(unittest.TestCase):
         self.assertEqual([(t["x"], t["y"], t["xaxis"]) for t in of_mine], [([2, 5], [0.9, 0.5], "x"), ([5], [1.1], "x3")])
         self.assertAlmostEqual(of_mine[0]["error_y"]["array"][1], 0.1)
         self.assertFalse([t for t in self.charts()["lag"]["data"] if t["name"] == "ekf"])
-        self.assert_drawn(["trajectory", "position_error", "nees", "lag", "runtime"], lines=2)
+        self.assert_drawn(["distribution", "trajectory", "position_error", "axis_errors", "error_path", "nees", "lag", "runtime"], lines=2)
         with_measured_truth(self.comparison)
         self.assertNotIn("Poses at a lag", self.text_of_report(run_files=False))
 
@@ -497,7 +498,83 @@ class Report(unittest.TestCase):
         errors = self.comparison["runs"][1]["series"]["position_error_m"]
         top = self.charts()["position_error"]["layout"]["yaxis"]["range"][1]
         self.assertLess(top, 3 * max(errors))
-        self.assert_drawn(["trajectory", "position_error", "nees", "runtime"])
+        self.assert_drawn(["trajectory", "position_error", "axis_errors", "error_path", "nees", "runtime"])
+
+    def test_each_axis_stands_beside_what_is_stated_of_it(self):
+        self.text_of_report()
+        run = self.comparison["runs"][1]
+        data = self.charts()["axis_errors"]["data"]
+        for k, panel in enumerate(("y", "y2", "y3")):
+            error, bounds = (next(t for t in data if t["name"] == name and t["yaxis"] == panel) for name in ("ekf · scaled_velocity", "ekf · scaled_velocity: 3σ"))
+            for i in (1, 77, 599):
+                self.assertAlmostEqual(error["y"][i], true_position(i)[k] - run["series"]["position"][i][k])
+            variances = read_variances(self.output / run["folder"] / "pose_covariance.csv")[run["series"]["timestamp"][77]]
+            self.assertAlmostEqual(bounds["y"][77], 3 * math.sqrt(variances[k]))
+            self.assertAlmostEqual(bounds["y"][77 + FRAMES + 1], -3 * math.sqrt(variances[k]))  # after a gap, below zero
+        rotation = next(t for t in data if t["yaxis"] == "y4")
+        self.assertEqual(rotation["y"], self.comparison["runs"][0]["series"]["rotation_error_deg"])
+        self.assertEqual(sum(t["showlegend"] for t in data), 4)  # one entry a run
+
+    def test_errors_of_another_sequence_than_the_first_are_not_measured_by_its_truth(self):
+        pooled(self.comparison)
+        for other in ({"name": "circle-2", "sha256": "0f" * 32}, {"name": "circle", "sha256": "1e" * 32}):
+            for run in self.comparison["runs"]:
+                run["sequence"] = {"name": "circle", "sha256": "0f" * 32} if run["pooled"] == "ekf" else other
+            self.text_of_report(run_files=False)
+            for name in ("axis_errors", "error_path"):
+                self.assertEqual({t["name"] for t in self.charts()[name]["data"]} - {"truth"}, {"ekf-0"})
+
+    def test_a_path_has_the_colours_of_its_error(self):
+        run = self.comparison["runs"][0]
+        run["metrics"].update(failed=True, failed_at=50)
+        run["series"]["position_error_m"] = [100.0 * e for e in run["series"]["position_error_m"]]
+        self.text_of_report(run_files=False)
+        figure = self.charts()["error_path"]
+        paths = [t for t in figure["data"] if t["mode"] == "markers"]
+        self.assertEqual([t["marker"]["color"] for t in paths], [run["series"]["position_error_m"] for run in self.comparison["runs"]])
+        self.assertEqual(figure["layout"]["coloraxis"]["cmax"], max(e for run in self.comparison["runs"][1:] for e in run["series"]["position_error_m"]))
+
+    def test_where_a_run_failed_is_marked_on_the_axis(self):
+        failed, lost = self.comparison["runs"][1:3]
+        failed["metrics"].update(failed=True, failed_at=77)
+        diverged(lost)
+        self.text_of_report(run_files=False)
+        for name in ("position_error", "axis_errors", "nees"):
+            marks = {m["hovertext"]: m for m in self.charts()[name]["layout"]["annotations"]}
+            self.assertEqual({text: m["x"] for text, m in marks.items()}, {
+                "ekf · scaled_velocity failed at frame 77": 77 / 15, "window · dynamic_inverse_depth diverged at frame 120": 120 / 15})
+            self.assertEqual({m["y"] for m in marks.values()}, {0})
+        self.comparison = made_comparison()
+        self.text_of_report(run_files=False)
+        self.assertNotIn("annotations", self.charts()["nees"]["layout"])
+
+    def test_ticks_of_logarithmic_axes_are_plain_numbers(self):
+        self.assertEqual(figures.log_ticks([0.3, 40.0])["ticktext"], ["0.1", "0.2", "0.5", "1", "2", "5", "10", "20", "50", "100", "200", "500"])
+        self.assertEqual(figures.log_ticks([0.5, 2e4])["ticktext"], ["0.1", "1", "10", "100", "1,000", "10,000", "100,000"])
+        wide = figures.log_ticks([1e-3, 1e15])
+        self.assertLess(len(wide["tickvals"]), 10)
+        self.assertIn("10<sup>9</sup>", wide["ticktext"])
+
+    def test_every_run_of_an_estimator_is_a_point_of_its_box(self):
+        pooled(self.comparison)
+        diverged(self.comparison["runs"][1])
+        self.comparison["runs"][2]["metrics"].update(failed=True, failed_at=3)
+        self.text_of_report(run_files=False)
+        boxes = {(t["name"], t["xaxis"]): t for t in self.charts()["distribution"]["data"]}
+        of = [run["metrics"]["filtered"] for run in self.comparison["runs"]]
+        self.assertEqual(boxes["ekf", "x"]["x"], [of[0]["accuracy"]["position_rmse_m"]])
+        self.assertEqual(boxes["mine", "x"]["x"], [run["accuracy"]["position_rmse_m"] for run in of[2:]])
+        self.assertEqual(boxes["mine", "x2"]["x"], [run["nees"]["pose"]["mean"] for run in of[2:]])
+        self.assertEqual([text.endswith(", failed") for text in boxes["mine", "x"]["text"]], [True, False])
+        self.comparison = made_comparison()
+        self.text_of_report(run_files=False)
+        self.assertNotIn("distribution", self.charts())
+
+    def test_one_pair_of_runs_is_no_table_above_the_summary(self):
+        pooled(self.comparison)
+        self.assertIn("Paired differences", self.text_of_report(run_files=False))
+        self.comparison["pairs"][0].update(pairs=1, wins_a=1, wins_b=0)
+        self.assertNotIn("Paired differences", self.text_of_report(run_files=False))
 
     def test_pictures_are_carried_in_the_page(self):
         slider = self.output / self.comparison["runs"][0]["label"] / "pictures" / "slider"

@@ -254,7 +254,7 @@ class Page(WithStudy):
             self.assertIn(f'seed {run["seed"]}: from frame {run["warnings"][0]["frame"]}, {run["warnings"][0]["reason"]}', table)
 
     def test_figures_and_tables(self):
-        for name in FIGURES:
+        for name in ("distributions", *FIGURES):
             for ending in ("pdf", "svg", "png"):
                 self.assertGreater((self.whole / "figures" / f"{name.replace(':', '_')}.{ending}").stat().st_size, 5000)
         for name, rows in (("summary", 2), ("consistency", 10), ("classification", 4), ("pairs", 1), ("metrics", 2), ("coverage", 2)):
@@ -275,7 +275,7 @@ class Page(WithStudy):
         landmarks, marks = (int(re.search(f'data-{what}="([0-9]+)', dom)[1]) for what in ("landmarks", "marks"))
         self.assertGreater(landmarks, 10)
         self.assertGreater(marks, landmarks)  # what Plotly holds
-        self.assertEqual(dom.count('<img src="data:image/svg+xml;base64,'), len(FIGURES))
+        self.assertEqual(dom.count('<img src="data:image/svg+xml;base64,'), len(FIGURES) + 1)  # the distributions, unasked
 
     def test_poses_at_a_lag(self):
         """Of the estimators that keep past poses, judged over the same frames at each lag; the others have none."""

@@ -6,6 +6,7 @@ The page needs nothing but itself: Plotly is carried inside.
 from ..pooling.estimators import FORMAT
 from ..pooling.json_files import dumped
 from . import figures, lags, pooled_verdict, tables, verdict
+from .charts import errors, pooled
 from .comparison import read_comparison
 from .page import embedded_picture, rendered, run_report, write_aside
 
@@ -26,8 +27,11 @@ def page(output, given):
     if given.table:  # on the terminal too
         print(tables.terminal(comparison), flush=True)
     charts = {name: figure for name, figure in (
+        ("distribution", pooled.distribution(comparison)),
         ("trajectory", figures.trajectory(comparison)),
         ("position_error", figures.position_error(comparison)),
+        ("axis_errors", errors.axis_errors(comparison)),
+        ("error_path", errors.error_path(comparison)),
         ("nees", figures.nees(comparison)),
         ("lag", figures.lag(comparison)),
         ("runtime", figures.runtime(comparison))) if figure}

@@ -32,6 +32,7 @@ class Run:
     name: str  # what the page calls it
     estimator: str
     sequence: str  # its name, empty where all runs are of one
+    truth_is_here: bool  # its sequence is the one whose truth the page has
     pooled: str    # the estimator whose runs it is put together with
     kind: str      # filter | smoother | batch | ideal_covariance | foreign
     landmark: str
@@ -41,7 +42,7 @@ class Run:
     series: dict
     smoothed_series: dict
     configuration: dict
-    position_sigma: dict = field(default_factory=dict)  # timestamp: sqrt(trace(P_rr)) [m]
+    variances: dict = field(default_factory=dict)       # timestamp: the diagonal of P, position [m^2] and rotation [rad^2]
     landmarks: list = field(default_factory=list)       # final: (track, label, x, y, z)
     labels: dict = field(default_factory=dict)          # of the landmarks that had to be classified: label to count
 
@@ -59,6 +60,21 @@ class Run:
         metric = self.table[key]
         path = metric.path.split(".")
         return self.metric(which or self.judged, *path) if metric.of == "trajectory" else self.metric(*path)
+
+    def sigma(self, first, end, unit=1.0):
+        """The root of the sum of these variances at each pose of the series; None where they are not stated."""
+        stated = [self.variances.get(t, [None] * 6)[first:end] for t in self.series.get("timestamp", [])]
+        return [None if None in variances else unit * math.sqrt(sum(variances)) for variances in stated]
+
+    def position_sigma(self):
+        return self.sigma(0, 3)
+
+    def rotation_sigma_deg(self):
+        return self.sigma(3, 6, math.degrees(1.0))
+
+    def axis_sigma(self, k):
+        """Of one axis of the world [m]; none of a run that was turned, whose covariance is in its former axes."""
+        return [None] * len(self.series.get("timestamp", [])) if self.alignment else self.sigma(k, k + 1)
 
     @property
     def divergence(self):
@@ -195,14 +211,14 @@ def number(text):
     return value if math.isfinite(value) else None
 
 
-def read_position_sigma(path):
-    sigmas = {}
+def read_variances(path):
+    found = {}
     for row in rows_of(path):
         timestamp = number(row.get("timestamp"))
-        variances = [number(row.get(name)) for name in ("p11", "p22", "p33")]
-        if timestamp is not None and all(v is not None and v >= 0.0 for v in variances):
-            sigmas[timestamp] = math.sqrt(sum(variances))
-    return sigmas
+        variances = [number(row.get(f"p{i}{i}")) for i in range(1, 7)]
+        if timestamp is not None:
+            found[timestamp] = [None if v is None or v < 0.0 else v for v in variances]
+    return found
 
 
 def read_final_landmarks(path):
@@ -246,20 +262,22 @@ def named(entries):
     return names if len(set(names)) == len(names) else [e["label"] for e in entries]
 
 
-def read_run(output, entry, table, name, colour, several):
+def read_run(output, entry, table, name, colour, sequence):
     folder = output / entry["folder"]
     series = in_frame_of_truth(entry.get("series") or {})
     landmarks = read_final_landmarks(folder / "landmarks.csv")
+    own, several = entry.get("sequence") or {}, sequence.get("count", 1) > 1
     covariance = "pose_covariance_smoothed.csv" if entry.get("kind") == "batch" else "pose_covariance.csv"
     if "alignment" in series:
         landmarks = [(track, label, *placed(series["alignment"], p)) for track, label, *p in landmarks]
     return Run(
-        label=entry["label"], name=name, estimator=entry["estimator"], sequence=(entry.get("sequence") or {}).get("name", "") if several else "", pooled=entry.get("pooled", ""), kind=entry.get("kind", ""), landmark=entry["landmark"],
+        label=entry["label"], name=name, estimator=entry["estimator"], sequence=own.get("name", "") if several else "",
+        truth_is_here=not several or all(own.get(key) == sequence.get(key) for key in ("name", "sha256") if key in own), pooled=entry.get("pooled", ""), kind=entry.get("kind", ""), landmark=entry["landmark"],
         colour=colour, metrics=entry.get("metrics") or {}, table=table, series=series,
         smoothed_series=in_frame_of_truth(entry.get("smoothed_series") or {}),
         configuration=entry.get("configuration") or {},
         # What is stated of the position is not about the aligned one.
-        position_sigma={} if "alignment" in series else read_position_sigma(folder / covariance),
+        variances={} if "alignment" in series else read_variances(folder / covariance),
         landmarks=landmarks, labels=read_label_counts(folder / "classification.csv"))
 
 
@@ -289,7 +307,7 @@ def read_comparison(output):
         entries = content["runs"]
         table = read_table(content["metrics"])
         estimators = read_estimators(together["estimators"])
-        runs = [read_run(path.parent, entry, table, name, colour_of(entry, i, estimators), content["sequence"].get("count", 1) > 1)
+        runs = [read_run(path.parent, entry, table, name, colour_of(entry, i, estimators), content["sequence"])
                 for i, (entry, name) in enumerate(zip(entries, named(entries)))]
         return Comparison(command=content["command"], version=content["version"], provenance=content.get("provenance", {}),
                           sequence=content["sequence"], truth=content.get("truth") or {}, table=table, runs=runs,

@@ -5,6 +5,7 @@ A run keeps its colour through all figures. A value that is not defined is None,
 import math
 
 from . import lags
+from .charts.failures import failures
 from .verdict import milliseconds
 
 NEES_DOF = 6
@@ -129,8 +130,7 @@ def trajectory(comparison):
 # --- against time ----------------------------------------------------------------------------------
 
 def two_sigma(run):
-    times = run.series.get("timestamp", [])
-    return [2.0 * run.position_sigma[t] if t in run.position_sigma else None for t in times]
+    return [None if s is None else 2.0 * s for s in run.position_sigma()]
 
 
 def error_ceiling(comparison):
@@ -204,17 +204,19 @@ def position_error(comparison):
         return None
     return {"data": traces, "layout": layout(
         380, xaxis=axis("time [s]"),
-        yaxis=axis("position error [m]", range=[0.0, error_ceiling(comparison)]))}
+        yaxis=axis("position error [m]", range=[0.0, error_ceiling(comparison)]), **failures(comparison.runs, start))}
 
 
 def log_ticks(values):
-    """1, 2 and 5 of every decade where there are few decades; otherwise Plotly's own choice."""
+    """Plain numbers: 1, 2 and 5 of every decade where there are few, 1 of more; of very many, every n-th as a power of ten."""
     values = [v for v in values if v > 0.0]
     low, high = (math.floor(math.log10(f(values, default=1.0))) for f in (min, max))
-    if high - low > 3:
-        return {}
-    ticks = [step * 10.0 ** decade for decade in range(low, high + 1) for step in (1, 2, 5)]
-    return {"tickvals": ticks, "ticktext": [f"{tick:g}" for tick in ticks]}
+    ticks = [step * 10.0 ** decade for decade in range(low, high + 2, (high - low) // 8 + 1) for step in ((1, 2, 5) if high - low <= 3 else (1,))]
+    return {"tickvals": ticks, "ticktext": [tick_text(tick) for tick in ticks]}
+
+
+def tick_text(value):
+    return f"{value:,.10g}" if 1e-4 <= value < 1e7 else f"10<sup>{math.log10(value):.0f}</sup>"
 
 
 def nees(comparison):
@@ -235,7 +237,7 @@ def nees(comparison):
                for run in shown]
     return {"data": traces, "layout": layout(
         380, xaxis=axis("time [s]"), yaxis=axis("NEES of the pose", type="log",
-                                        **log_ticks([v for run in shown for v in clean(run.series["nees_pose"])])))}
+                                        **log_ticks([v for run in shown for v in clean(run.series["nees_pose"])])), **failures(shown, start))}
 
 
 # --- against lag -----------------------------------------------------------------------------------

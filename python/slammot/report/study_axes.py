@@ -35,11 +35,11 @@ def explain(axis, **names):
 
 
 def readable_ticks(part, low, high):
-    """Plain numbers at 1, 2, 5 of few decades, at 1 of more, and powers of ten of many."""
+    """At 1, 2, 5 of few decades, at 1 of more; plain numbers, and powers of ten where these would be long."""
     from matplotlib.ticker import FuncFormatter, LogFormatterMathtext, LogLocator, NullFormatter
     decades = math.log10(high / low)
     part.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.5 else (1.0,), numticks=12))
-    part.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}") if decades < 5 else LogFormatterMathtext())
+    part.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.10g}") if low >= 1e-4 and high < 1e7 else LogFormatterMathtext())
     part.set_minor_formatter(NullFormatter())
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from . import lags
 from . import metrics
+from .charts import distributions
 from .comparison import RUN_COLOURS, BadInput
 from .page import aside
 from .study_axes import around, expected, explain, finite, grid, legend_above, pyplot
@@ -405,15 +406,17 @@ FILES = {"pdf": {"metadata": {"CreationDate": None}}, "svg": {"metadata": {"Date
          "png": {"metadata": {"Software": None}, "dpi": 150}}
 
 
-def draw_all(summary, folder):
+def draw_all(summary, folder, runs=()):
+    """Of each run of `runs` a row of runs.csv: how they are distributed needs no asking."""
     folder.mkdir(parents=True, exist_ok=True)
     names = [name for name in summary["figures"] if name in FIGURES or ":" in name]  # others are tables
-    if not names or not any(plotted(group) for group in summary["groups"]):
+    several = bool(distributions.shown_groups(summary, runs))
+    if not (names or several) or not any(plotted(group) for group in summary["groups"]):
         return []  # nothing asked for, or every run failed at once: the tables say so
     plt = pyplot()
     figures = []
-    for name in names:
-        made = drawn(plt, summary, name)
+    for name in (["distributions"] if several else []) + names:
+        made = distributions.draw(plt, summary, runs) if name == "distributions" else drawn(plt, summary, name)
         if made is None:
             continue
         figure, (title, caption) = made

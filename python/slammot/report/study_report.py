@@ -6,7 +6,7 @@ import pathlib
 from . import ranking, record, study_figures, study_tables, study_verdict
 from ..pooling import study
 from ..pooling.json_files import dumped
-from .comparison import BadInput, read_json
+from .comparison import BadInput, read_json, rows_of
 from .page import embedded_picture, rendered, run_report, write_aside
 
 PLAN, FORMAT = "slammot-plan-1", study.FORMAT
@@ -48,7 +48,7 @@ def page(output, given):
     write_tables(tables, output / "tables")
     if summary.get("latex"):
         write_aside(output / "tables" / "paper.tex", study_tables.paper_table(summary))
-    figures = study_figures.draw_all(summary, output / "figures")
+    figures = study_figures.draw_all(summary, output / "figures", rows_of(output / "runs.csv"))
     if given.record:
         record.write(given.record, given.command, summary, tables)
     return rendered(

@@ -2,6 +2,7 @@
 import csv
 import io
 import math
+import re
 from dataclasses import dataclass, field
 
 from . import lags
@@ -10,6 +11,9 @@ from .pooled_verdict import anees_class, is_tested
 from .verdict import failure_bound
 
 
+PAGE = 1224  # pixels of a page's text in a window of 1400
+LONG = 40  # letters of a cell that is wrapped
+AT_ONCE = 200  # letters of a caption
 INTERVALS = "95% intervals over runs (Student's t), from five runs on"
 
 
@@ -32,6 +36,19 @@ class Table:
         numbers = "".join("p{9cm}" if any(len(row[i]) > 80 for row in self.rows) else "r" for i in range(2, len(self.head)))
         return booktabs("l" * 2 + numbers, list(map(escaped, self.head)), [list(map(escaped, row)) for row in self.rows])
 
+    def parts(self, most):
+        """The table as those beside which a page scrolls not: each has the first two columns and as many others as fit into so many pixels."""
+        widths = [column_width(head, [row[i] for row in self.rows]) for i, head in enumerate(self.head)]
+        room, others = most - sum(widths[:2]), widths[2:]
+        parts = filled(others, room)
+        while room > 0 and len(filled(others, room - 20)) == len(parts):  # about as many columns in each
+            room -= 20
+        return [self.columns([0, 1, *(2 + i for i in part)]) for part in filled(others, room)] or [self]
+
+    def columns(self, kept):
+        classes = {(row, kept.index(i)): kind for (row, i), kind in self.classes.items() if i in kept}
+        return Table(self.title, self.caption, [self.head[i] for i in kept], [[row[i] for i in kept] for row in self.rows], classes)
+
     def spans(self):
         """For each row, over how many rows its first cell reaches; 0 below the first of equal ones."""
         spans = []
@@ -40,6 +57,38 @@ class Table:
             reach = next((k for k in range(i, len(self.rows)) if self.rows[k][0] != row[0]), len(self.rows)) - i
             spans.append(0 if same else reach)
         return spans
+
+
+def filled(widths, room):
+    """Things of these widths in a row as long as there is room, then in the next; at least one in each."""
+    rows, left = [], 0
+    for i, width in enumerate(widths):
+        if not rows or width > left:
+            rows.append([])
+            left = room
+        rows[-1].append(i)
+        left -= width
+    return rows
+
+
+def cell_width(text):
+    """About, in pixels, on a page: the interval stands below its value in smaller letters, a long text is wrapped."""
+    value, _, interval = text.partition(" [")
+    return 320 if len(text) > LONG else max(sum(9 if c.isdigit() else 7.4 for c in value), 6.5 * (len(interval) + 1))
+
+
+def column_width(head, texts):
+    """A head is wrapped between words."""
+    return 12 + max([8.6 * len(word) for word in head.split()] + list(map(cell_width, texts)))
+
+
+def opening(caption):
+    """What of a caption is read at once, and the rest where it is long: whole sentences both."""
+    first, *others = re.split(r"(?<=\.) (?=[A-Z0-9√])", caption)
+    while others and len(first) + len(others[0]) < AT_ONCE:
+        first += " " + others.pop(0)
+    rest = " ".join(others)
+    return (first, rest) if len(rest) > AT_ONCE / 2 else (caption, "")
 
 
 def booktabs(columns, head, rows):

@@ -177,11 +177,11 @@ def terminal(comparison):
 
 
 def pairs(comparison):
-    """(names, cells) of each pair of estimators with runs on the same sequence."""
+    """(names, cells) of each pair of estimators with several runs on the same sequences: one says no more than the summary."""
     rows = []
     names = {run.label: run.name for run in comparison.runs}
     for pair in comparison.pairs:
-        if pair["pairs"]:
+        if pair["pairs"] > 1:
             rows.append((" − ".join(names.get(pair[which], pair[which]) for which in "ab"),
                          [Cell(str(pair["pairs"])), Cell(str(pair["wins_a"])), Cell(str(pair["wins_b"])),
                           Cell(str(pair["pairs"] - pair["wins_a"] - pair["wins_b"])), with_interval(pair["difference"]),

@@ -1,0 +1,1 @@
+"""Figures that have a file of their own."""
