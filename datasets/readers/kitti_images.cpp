@@ -76,14 +76,22 @@ CalibrationRow required_calibration(const Path& file, const std::string& key, si
   return *row;
 }
 
-void add_rectified(const Path& file, const std::string& first, const std::string& second,
-                   std::vector<std::string> images, Sequence& sequence) {
-  const RectifiedCamera one = rectified_camera(file, first), other = rectified_camera(file, second);
+void add_pair(const Path& file, const std::string& key, int first, const std::string& images,
+              int digits, Sequence& sequence) {
+  if (first % 2 != 0 || !std::filesystem::is_directory(sequence.folder / images)) return;
+  const std::string ending =
+      image_ending(sequence.folder / images, std::string(static_cast<size_t>(digits), '0'));
+  std::vector<std::string> names;
+  for (const Frame& frame : sequence.frames) {
+    names.push_back(fmt::format("{}/{:0{}}{}", images, frame.index, digits, ending));
+  }
+  const RectifiedCamera one = rectified_camera(file, key + std::to_string(first));
+  const RectifiedCamera other = rectified_camera(file, key + std::to_string(first + 1));
   Camera camera = other.camera;
   camera.width = sequence.camera.width;
   camera.height = sequence.camera.height;
   add_camera(file, other.line, {camera, Eigen::Quaterniond::Identity(), one.offset - other.offset},
-             std::move(images), sequence);
+             std::move(names), sequence);
 }
 
 bool is_kitti(const Path& folder) {
@@ -114,19 +122,10 @@ Sequence read_kitti(const Path& folder) {
   return sequence;
 }
 
-// Cameras 0 and 1 are the grey pair, 2 and 3 that of colour.
 void add_kitti_pair(Sequence& sequence) {
   const int first = *camera_number(sequence.folder);
-  const std::string images = fmt::format("image_{}", first + 1);
-  if (first % 2 != 0 || !std::filesystem::is_directory(sequence.folder / images)) return;
-  const std::string ending = image_ending(sequence.folder / images, "000000");
-  std::vector<std::string> names;
-  for (const Frame& frame : sequence.frames) {
-    names.push_back(fmt::format("{}/{:06}{}", images, frame.index, ending));
-  }
-  const Path file = sequence.folder / "calib.txt";
-  add_rectified(file, fmt::format("P{}", first), fmt::format("P{}", first + 1), std::move(names),
-                sequence);
+  add_pair(sequence.folder / "calib.txt", "P", first, fmt::format("image_{}", first + 1), 6,
+           sequence);
 }
 
 }  // namespace slammot

@@ -38,8 +38,10 @@ struct RectifiedCamera {
 };
 RectifiedCamera rectified_camera(const std::filesystem::path& file, const std::string& key);
 
-// Appends the camera of row `second` beside that of row `first`, which is camera 0.
-void add_rectified(const std::filesystem::path& file, const std::string& first,
-                   const std::string& second, std::vector<std::string> images, Sequence& sequence);
+// Appends camera `first` + 1 of a calibration's rows `key`N beside camera `first`, which is camera
+// 0, where `first` is even (the grey pair is 0 and 1, that of colour 2 and 3) and the folder
+// `images` is there. Its images are frame numbers of so many digits.
+void add_pair(const std::filesystem::path& file, const std::string& key, int first,
+              const std::string& images, int digits, Sequence& sequence);
 
 }  // namespace slammot

@@ -99,15 +99,8 @@ Sequence read_kitti_raw(const Path& folder) {
 
 void add_kitti_raw_pair(Sequence& sequence) {
   const int first = *raw_camera_number(sequence.folder);
-  const std::string images = fmt::format("image_0{}/data", first + 1);
-  if (first % 2 != 0 || !std::filesystem::is_directory(sequence.folder / images)) return;
-  const std::string ending = image_ending(sequence.folder / images, "0000000000");
-  std::vector<std::string> names;
-  for (const Frame& frame : sequence.frames) {
-    names.push_back(fmt::format("{}/{:010}{}", images, frame.index, ending));
-  }
-  add_rectified(*calibration_file(sequence.folder, kCameras), fmt::format("P_rect_0{}", first),
-                fmt::format("P_rect_0{}", first + 1), std::move(names), sequence);
+  add_pair(*calibration_file(sequence.folder, kCameras), "P_rect_0", first,
+           fmt::format("image_0{}/data", first + 1), 10, sequence);
 }
 
 }  // namespace slammot

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/points/homogeneous.h"
+#include "models/points/initialisation.h"
 #include "models/points/observation.h"
 
 namespace slammot {
@@ -48,26 +50,25 @@ void Problem::add_prior(const Eigen::Vector3d& u) {
   square_ = r.dot(weight.cwiseProduct(r));
 }
 
+// From where camera 0 stands, as any landmark that begins there.
 bool Problem::linearise(const Eigen::Vector3d& u) {
+  constexpr PointFunctions kPoint = point_row<Homogeneous>();  // regular at every u
+  const Eigen::Quaterniond R = Eigen::Quaterniond::Identity();
+  const Eigen::Vector3d r = Eigen::Vector3d::Zero();
   add_prior(u);
-  const auto bearing = rig_.first().unproject(u.head<2>());
-  if (!bearing) return false;
-  const Eigen::Vector3d g = bearing->ray.normalized();
-  const Matrix32d J_g = unit_jacobian(bearing->ray) * bearing->J_ray_pixel;
+  const auto here = initialise(rig_.first(), kPoint, R, u.head<2>(), u.z());
+  if (!here) return false;
+  Eigen::Matrix3d J_u;
+  J_u << here->J_pixel, here->J_inverse_depth;
   for (const Observation& z : others_) {
-    const MountedCamera& camera = rig_[z.camera];
-    const Eigen::Vector3d ray = camera.ray(g, u.z());
-    if (is_grazing(ray)) return false;
-    const auto h = camera.lens.project(ray);
+    const auto h = observe(rig_[z.camera], kPoint, r, R, r, here->y);
     if (!h) return false;
-    Eigen::Matrix3d J_ray;
-    J_ray << J_g, -camera.t;
-    const Matrix23d J = h->J_pixel_ray * camera.R.conjugate().toRotationMatrix() * J_ray;
-    const Eigen::Vector2d r = h->pixel - z.pixel;
+    const Matrix23d J = h->J_y * J_u;
+    const Eigen::Vector2d residual = h->pixel - z.pixel;
     const double weight = 1.0 / z.variance(pixel_sigma_);
     H_ += weight * J.transpose() * J;
-    b_ -= weight * J.transpose() * r;
-    square_ += weight * r.squaredNorm();
+    b_ -= weight * J.transpose() * residual;
+    square_ += weight * residual.squaredNorm();
   }
   return true;
 }
