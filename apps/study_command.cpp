@@ -93,6 +93,14 @@ std::string runs_text(const Study& study) {
                      single == 0 ? "" : ", one of a recording without added noise");
 }
 
+std::string computed_once_text(const Study& study) {
+  int others = 0;
+  for (int i = 0; i < std::ssize(study.cells); ++i) {
+    others += study.cells[static_cast<std::size_t>(i)].computed_by == i ? 0 : 1;
+  }
+  return others == 0 ? "" : fmt::format(", {} the same as others and computed once", others);
+}
+
 // What is written when the program is told to stop: a signal handler may only use what is there.
 std::string& last_words() {
   static std::string text;
@@ -145,8 +153,8 @@ int execute(const StudyArguments& arguments) {
         p.frames > 0 ? fmt::format(", frame {} of {}", p.frames_done, p.frames) : "";
     progress.show(study.name, p.runs_done + p.parts_done, p.runs, frames);
   };
-  fmt::print("{}: {} scenarios and swept values x estimators, {}, {} at a time\n", study.name,
-             study.cells.size(), runs_text(study), options.jobs);
+  fmt::print("{}: {} scenarios and swept values x estimators{}, {}, {} at a time\n", study.name,
+             study.cells.size(), computed_once_text(study), runs_text(study), options.jobs);
   std::fflush(stdout);
   tell_when_stopped(output, !resume);
   const auto [ran, kept] = run_study(study, options);

@@ -52,18 +52,26 @@ void delayed(Configuration& c) { c.model.policy.delayed = true; }
 
 using enum EstimatorKind;
 
+EstimatorRow filter(const char* name, const char* description, bool oracle,
+                    void (*adjust)(Configuration&), EstimatorKind kind = kFilter) {
+  return {name, description, kind, oracle, adjust, ekf, true, "window."};
+}
+
+EstimatorRow smoother(const char* name, const char* description, EstimatorKind kind,
+                      std::unique_ptr<Estimator> (*make)(const Setup&, const Configuration&)) {
+  return {name, description, kind, false, as_stated, make, true, "ekf."};
+}
+
 std::vector<EstimatorRow>& table() {
   static std::vector<EstimatorRow> rows = {
-      {"ekf", "extended Kalman filter, undelayed (the thesis)", kFilter, false, as_stated, ekf},
-      {"window", "sliding-window smoother with marginalisation", kSmoother, false, as_stated,
-       window},
-      {"batch", "all frames at once: the reference", kBatch, false, as_stated, batch},
-      {"static_world", "ekf, every landmark static", kFilter, false, all_static, ekf},
-      {"delayed", "ekf, a landmark counts only once it is classified", kFilter, false, delayed,
-       ekf},
-      {"true_labels", "ekf, labels from the ground truth", kFilter, true, true_labels, ekf},
-      {"ideal_covariance", "ekf linearised at the truth, labels given, no gate: its covariance",
-       kIdealCovariance, true, ideal_covariance, ekf},
+      filter("ekf", "extended Kalman filter, undelayed (the thesis)", false, as_stated),
+      smoother("window", "sliding-window smoother with marginalisation", kSmoother, window),
+      smoother("batch", "all frames at once: the reference", kBatch, batch),
+      filter("static_world", "ekf, every landmark static", false, all_static),
+      filter("delayed", "ekf, a landmark counts only once it is classified", false, delayed),
+      filter("true_labels", "ekf, labels from the ground truth", true, true_labels),
+      filter("ideal_covariance", "ekf linearised at the truth, labels given, no gate: its covariance",
+             true, ideal_covariance, kIdealCovariance),
   };
   return rows;
 }

@@ -27,6 +27,7 @@ struct EstimatorRow {
   std::function<void(Configuration&)> adjust;  // what the name means beyond the factory
   std::function<std::unique_ptr<Estimator>(const Setup&, const Configuration&)> make;
   bool has_models = true;  // false: landmark models mean nothing to it
+  std::string_view unread = {};  // how the names of the keys begin that it never reads
 };
 
 std::span<const EstimatorRow> estimator_table();

@@ -269,6 +269,11 @@ bool Study::has_task(int task) const {
   return task / count < runs_of(static_cast<std::size_t>(task % count));
 }
 
+bool Study::computes(int task) const {
+  const int cell = task % static_cast<int>(cells.size());
+  return has_task(task) && cells[static_cast<std::size_t>(cell)].computed_by == cell;
+}
+
 Study parse_study(const std::filesystem::path& file, const std::vector<std::string>& settings) {
   Study study = Reader(file, settings).read();
   try {

@@ -30,6 +30,9 @@ struct StudyCell {
   std::string estimator;
   Configuration configuration;
   std::vector<std::pair<std::string, std::string>> sweep;  // key, value
+  // The first cell that is the same but for its labels and for keys that its estimator never
+  // reads: the runs of both are computed there.
+  int computed_by = 0;
 };
 
 // Labels that somebody published, shown beside ours: right, wrong, undecided.
@@ -65,6 +68,7 @@ struct Study {
   // Of a recorded sequence to which no noise is added every seed is the same run: one is enough.
   int runs_of(std::size_t cell) const;
   bool has_task(int task) const;
+  bool computes(int task) const;  // not those that another cell computes as well
   std::uint64_t seed(int run) const { return first_seed + static_cast<std::uint64_t>(run); }
 };
 

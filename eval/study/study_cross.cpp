@@ -2,10 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "eval/configuration/registry.h"
 
 namespace slammot {
+
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kScenarioPrefix = "scenario.";
 
@@ -57,7 +62,25 @@ StudyCell cell_of(const NamedSettings& scenario, const Settings& values,
   return cell;
 }
 
+// What the runs of a cell depend on beside the seed.
+std::string computation(const StudyCell& cell) {
+  const std::string_view unread = find_estimator(cell.estimator).unread;
+  Json configuration = Json::object();
+  for (const auto& [key, value] : configuration_json(cell).items()) {
+    if (unread.empty() || !key.starts_with(unread)) configuration[key] = value;
+  }
+  return Json{cell.scenario, cell.sequence, cell.scene, cell.estimator, configuration}.dump();
+}
+
 }  // namespace
+
+nlohmann::ordered_json configuration_json(const StudyCell& cell) {
+  Configuration configuration = cell.configuration;
+  find_estimator(cell.estimator).adjust(configuration);
+  Json json = Json::object();
+  for (const auto& [key, value] : key_values(configuration)) json[key] = value;
+  return json;
+}
 
 bool is_of_scenario(std::string_view key) { return key.starts_with(kScenarioPrefix); }
 
@@ -93,10 +116,13 @@ std::vector<StudyCell> cross(const std::vector<NamedSettings>& scenarios,
                              const std::vector<SweptKey>& sweep,
                              const std::vector<NamedSettings>& estimators, const Settings& all) {
   std::vector<StudyCell> cells;
+  std::map<std::string, int> computed;
   for (const NamedSettings& scenario : scenarios) {
     for (const Settings& values : combinations(sweep)) {
       for (const NamedSettings& estimator : estimators) {
-        cells.push_back(cell_of(scenario, values, estimator, all));
+        StudyCell& cell = cells.emplace_back(cell_of(scenario, values, estimator, all));
+        const int index = static_cast<int>(cells.size()) - 1;
+        cell.computed_by = computed.emplace(computation(cell), index).first->second;
       }
     }
   }

@@ -1,6 +1,8 @@
 // The cells of a study: each scenario with each combination of the swept values, by each estimator.
 #pragma once
 
+#include <nlohmann/json.hpp>
+
 #include "eval/study/study.h"
 
 namespace slammot {
@@ -33,6 +35,9 @@ Settings settings_in(std::string_view text);
 // would be without effect.
 void require_free(const Settings& set, const std::vector<NamedSettings>& estimators,
                   const std::vector<SweptKey>& sweep);
+
+// Every key with its value, as the cell's estimator adjusts them.
+nlohmann::ordered_json configuration_json(const StudyCell& cell);
 
 // In this order, estimators fastest; `all` is set for every one. Throws std::invalid_argument for
 // more than 100,000 combinations, and for an unknown estimator or key or a bad value.

@@ -62,7 +62,7 @@ StudyCount run_study(const Study& study, const StudyOptions& options) {
   std::vector<int> tasks;
   int of_shard = 0;
   for (int task = 0, all = study.tasks(); task < all; ++task) {
-    if (!study.has_task(task) || !options.shard.has(task)) continue;
+    if (!study.computes(task) || !options.shard.has(task)) continue;
     ++of_shard;
     if (finished.count({task % cells, study.seed(task / cells)}) == 0) tasks.push_back(task);
   }

@@ -2,6 +2,7 @@
 
 #include "eval/configuration/registry.h"
 #include "eval/output/metrics_json.h"
+#include "eval/study/study_cross.h"
 #include "eval/study/study_sequence.h"
 
 namespace slammot {
@@ -9,15 +10,11 @@ namespace {
 
 Json planned_cell_json(const StudyCell& cell) {
   const EstimatorRow& estimator = find_estimator(cell.estimator);
-  Json json = {{"label", cell.label},
-               {"estimator", cell.estimator},
-               {"kind", to_string(estimator.kind)},
-               {"oracle", is_oracle(estimator, cell.configuration)},
-               {"configuration", Json::object()}};
-  Configuration configuration = cell.configuration;
-  estimator.adjust(configuration);
-  for (const auto& [key, value] : key_values(configuration)) json["configuration"][key] = value;
-  return json;
+  return {{"label", cell.label},
+          {"estimator", cell.estimator},
+          {"kind", to_string(estimator.kind)},
+          {"oracle", is_oracle(estimator, cell.configuration)},
+          {"configuration", configuration_json(cell)}};
 }
 
 Json group_json(const StudyCell& first) {

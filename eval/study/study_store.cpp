@@ -8,6 +8,7 @@
 #include "datasets/text/text_table.h"
 #include "eval/configuration/registry.h"
 #include "eval/run/process.h"
+#include "eval/study/study_cross.h"
 
 namespace slammot {
 namespace {
@@ -16,18 +17,18 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 Json cell_json(const StudyCell& cell) {
-  Configuration configuration = cell.configuration;
-  find_estimator(cell.estimator).adjust(configuration);
   Json scene = Json::object();
   if (cell.sequence.empty()) {
     for (const ScenarioParameter& p : scenario_parameters(cell.scenario)) scene[p.name] = p.value;
   }
-  Json json = {{"group", cell.group},         {"label", cell.label},
-               {"scenario", cell.scenario},   {"sequence", cell.sequence},
-               {"defaults", scene},           {"set", cell.scene},
-               {"estimator", cell.estimator}, {"configuration", Json::object()}};
-  for (const auto& [key, value] : key_values(configuration)) json["configuration"][key] = value;
-  return json;
+  return {{"group", cell.group},
+          {"label", cell.label},
+          {"scenario", cell.scenario},
+          {"sequence", cell.sequence},
+          {"defaults", scene},
+          {"set", cell.scene},
+          {"estimator", cell.estimator},
+          {"configuration", configuration_json(cell)}};
 }
 
 // Without the number of runs, so that a study can be given more.
@@ -101,19 +102,24 @@ void merge_runs(const Study& study, const std::vector<fs::path>& folders, const 
   }
   const int cells = rules.cells;
   for (int task = 0, all = study.tasks(); task < all; ++task) {
-    if (!study.has_task(task)) continue;
+    if (!study.computes(task)) continue;
     const StudyCell& cell = study.cells[static_cast<std::size_t>(task % cells)];
     const std::uint64_t seed = study.seed(task / cells);
     if (places.contains({task % cells, seed})) continue;
     throw std::invalid_argument(
         fmt::format("a run is missing: {}, {}, seed {}", cell.group, cell.label, seed));
   }
+  const auto computed_by = [&](int cell) {
+    return study.cells[static_cast<std::size_t>(cell)].computed_by;
+  };
   OutputFiles files;
   const auto write_part = [&](const char* file, const char* part) {
     files.write(output / file, [&](std::ostream& out) {
       for (int cell = 0; cell < cells; ++cell) {
         for (int run = 0; run < study.runs_of(static_cast<std::size_t>(cell)); ++run) {
-          out << read_run_line(places.at({cell, study.seed(run)})).at(part).dump() << '\n';
+          Json line = read_run_line(places.at({computed_by(cell), study.seed(run)})).at(part);
+          line["cell"] = cell;
+          out << line.dump() << '\n';
         }
       }
     });

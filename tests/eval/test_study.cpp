@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "datasets/native/native_writer.h"
 #include "datasets/simulation/scenario.h"
 #include "datasets/text/input_error.h"
+#include "datasets/text/text_table.h"
 #include "eval/study/study_driver.h"
 #include "eval/study/study_run.h"
 #include "frontend/rendering/rendered_scenario.h"
@@ -88,6 +90,35 @@ TEST_F(StudyFile, SaysWithinARunHowFarItIs) {
   EXPECT_GE(within, 3 * 7 - 2);
   EXPECT_EQ(runs_done, 3);
   EXPECT_NEAR(done, 3.0, 1e-9);
+}
+
+// The EKF reads no key of the window, nor the window one of the EKF's.
+TEST_F(StudyFile, CellsThatAreTheSameAreComputedOnce) {
+  test::write_text(path() / "s.yaml", R"(format: slammot-study-1
+name: s
+runs: 2
+scenarios: [{scenario: circle, set: {frames: 8}}]
+sweep: {window.frames: [2, 3], ekf.iterations: [1, 2]}
+estimators: [{estimator: ekf}, {estimator: window}, {estimator: true_labels}, {estimator: ekf, label: again}]
+)");
+  const Study study = read_study(path() / "s.yaml");
+  std::vector<int> computed_by;
+  for (const StudyCell& cell : study.cells) computed_by.push_back(cell.computed_by);
+  EXPECT_THAT(computed_by, testing::ElementsAre(0, 1, 2, 0, 4, 1, 6, 4, 0, 9, 2, 0, 4, 9, 6, 4));
+  StudyOptions options;
+  options.output = path() / "out";
+  claim_folder(study, options.output, options.shard, false);
+  EXPECT_EQ(run_study(study, options).ran, 2 * 6);
+  merge_runs(study, {options.output}, options.output, false);
+  std::istringstream lines(read_text_file(options.output / "results.jsonl"));
+  std::string line;
+  for (int cell = 0; cell < std::ssize(study.cells); ++cell) {
+    for (int run = 0; run < study.runs; ++run) {
+      ASSERT_TRUE(std::getline(lines, line));
+      EXPECT_EQ(line, run_study_cell(study, cell, run, {}).result.dump()) << cell;
+    }
+  }
+  EXPECT_EQ(run_study(study, options).kept, 2 * 6);
 }
 
 TEST_F(StudyFile, IsRefusedAtTheLineOfAScenario) {
