@@ -19,6 +19,17 @@ double squared(const Eigen::Vector2d& nu, const Eigen::Matrix2d& S) {
   return nu.dot(S.inverse() * nu);
 }
 
+double squared_of_many(const Eigen::VectorXd& nu, const Eigen::MatrixXd& S) {
+  return nu.dot(S.llt().solve(nu));
+}
+
+// Past the measurements of the landmark that is measured at i.
+std::size_t end_of_landmark(const FrameInnovation& frame, std::size_t i) {
+  std::size_t end = i + 1;
+  while (end < frame.z.size() && frame.z[end].track == frame.z[i].track) ++end;
+  return end;
+}
+
 }  // namespace
 
 void add_pixel_noise(std::span<const Observation> z, double pixel_sigma, GrowingMatrix& S) {
@@ -29,6 +40,19 @@ void add_pixel_noise(std::span<const Observation> z, double pixel_sigma, Growing
 }
 
 double pixel_threshold(double probability) { return -2.0 * std::log1p(-probability); }
+
+double log_chi_square_tail(double x, int n) {
+  double term = 1.0, sum = 0.0;
+  for (int k = 0; k < n; ++k) {
+    sum += term;
+    term *= 0.5 * x / (k + 1);
+  }
+  return -0.5 * x + std::log(sum);
+}
+
+double as_of_one_pixel(double nis, int pixels) {
+  return pixels == 1 ? nis : -2.0 * log_chi_square_tail(nis, pixels);
+}
 
 FrameGate::Block FrameGate::S(std::size_t i, std::size_t j) const {
   return (*S_).block<2, 2>(row(i), row(j));
@@ -47,21 +71,16 @@ void FrameGate::judge(const FrameInnovation& frame) {
   is_accepted_.assign(n, 0);
   nis_.resize(n);
   nis_given_others_.resize(n);
-  set_.clear();
-  asks_alone_ = true;
-  for (std::size_t i = 0; i < n; ++i) {
-    nis_[i] = squared(frame.nu[i], S(i, i));
-    if (accepts_alone(i)) set_.push_back(i);  // NaN does not
-  }
+  judge_alone(frame);
   if (std::isfinite(given_others_)) {
     keep_those_that_agree_with_one(frame);
     if (2 * set_.size() < n) begin_with_majority(frame);
   }
   accept(frame);
-  drop_worst();
+  drop_worst(frame);
   if (admit_others(frame)) {
     accept(frame);
-    drop_worst();
+    drop_worst(frame);
   }
   joint_nis_ = 0.0;
   for (std::size_t k = 0; k < set_.size(); ++k) {
@@ -70,6 +89,41 @@ void FrameGate::judge(const FrameInnovation& frame) {
   for (std::size_t i = 0; i < n; ++i) {
     if (!accepts(i)) nis_given_others_[i] = given_accepted(frame, i);
   }
+}
+
+// Of a landmark whose pixels do not agree with each other the best one begins.
+void FrameGate::judge_alone(const FrameInnovation& frame) {
+  set_.clear();
+  asks_alone_ = true;
+  passes_alone_.resize(frame.z.size());
+  agrees_with_own_.assign(frame.z.size(), 1);
+  for (std::size_t i = 0, end = 0; i < frame.z.size(); i = end) {
+    end = end_of_landmark(frame, i);
+    std::size_t best = i;
+    for (std::size_t j = i; j < end; ++j) {
+      nis_[j] = squared(frame.nu[j], S(j, j));
+      passes_alone_[j] = nis_[j] <= alone_ ? 1 : 0;  // NaN does not
+      if (nis_[j] < nis_[best]) best = j;
+    }
+    if (end - i > 1 && nis_alone(frame, i, end) <= alone_) {
+      for (std::size_t j = i; j < end; ++j) {
+        passes_alone_[j] = 1;
+        set_.push_back(j);
+      }
+    } else {
+      for (std::size_t j = i; j < end; ++j) agrees_with_own_[j] = end - i == 1 ? 1 : 0;
+      if (accepts_alone(best)) set_.push_back(best);
+    }
+  }
+}
+
+// Of the pixels of one landmark, [i, end), together.
+double FrameGate::nis_alone(const FrameInnovation& frame, std::size_t i, std::size_t end) const {
+  const Index size = row(end - i);
+  Eigen::VectorXd nu(size);
+  for (std::size_t j = i; j < end; ++j) nu.segment<2>(row(j - i)) = frame.nu[j];
+  return as_of_one_pixel(squared_of_many(nu, (*S_).block(row(i), row(i), size, size)),
+                         static_cast<int>(end - i));
 }
 
 // nu_j given i is nu_j - S_ji S_ii^-1 nu_i, of covariance S_jj - S_ji S_ii^-1 S_ij.
@@ -121,22 +175,71 @@ void FrameGate::accept(const FrameInnovation& frame) {
   llt.solveInPlace(a);
 }
 
-void FrameGate::drop_worst() {
-  const auto B = *B_, a = *a_;
+void FrameGate::drop_worst(const FrameInnovation& frame) {
   for (;;) {
     std::size_t worst = set_.size();
     double largest = given_others_;
-    for (std::size_t k = 0; k < set_.size(); ++k) {
-      if (!accepts(set_[k])) continue;
-      double& nis = nis_given_others_[set_[k]];
-      nis = squared(a.block<2, 1>(row(k), 0), B.block<2, 2>(row(k), row(k)));
+    for (std::size_t k = 0; k < set_.size();) {
+      take_accepted(frame, k);
+      if (landmark_.empty()) continue;
+      const double nis = nis_of_landmark();
+      for (const std::size_t l : landmark_) nis_given_others_[set_[l]] = nis;
       if (nis <= largest) continue;
       largest = nis;
-      worst = k;
+      worst = worst_of_landmark();
     }
     if (worst == set_.size()) return;
     drop(worst);
   }
+}
+
+// The accepted pixels of the landmark at k of the set; k is then past it.
+void FrameGate::take_accepted(const FrameInnovation& frame, std::size_t& k) {
+  landmark_.clear();
+  for (const int track = frame.z[set_[k]].track; k < set_.size() && frame.z[set_[k]].track == track;
+       ++k) {
+    if (accepts(set_[k])) landmark_.push_back(k);
+  }
+}
+
+double FrameGate::nis_of_landmark() const {
+  if (landmark_.size() == 1) {
+    const Index i = row(landmark_.front());
+    return squared((*a_).block<2, 1>(i, 0), (*B_).block<2, 2>(i, i));
+  }
+  const GivenOthers all = landmark_given_others();
+  return as_of_one_pixel(all.a.dot(all.nu), static_cast<int>(landmark_.size()));
+}
+
+// The innovations of one landmark given all others are B_UU^-1 a_U, of covariance B_UU^-1.
+FrameGate::GivenOthers FrameGate::landmark_given_others() const {
+  const Index size = row(landmark_.size());
+  Eigen::MatrixXd B(size, size);
+  Eigen::VectorXd a(size);
+  for (std::size_t k = 0; k < landmark_.size(); ++k) {
+    a.segment<2>(row(k)) = (*a_).block<2, 1>(row(landmark_[k]), 0);
+    for (std::size_t l = 0; l < landmark_.size(); ++l) {
+      B.block<2, 2>(row(k), row(l)) = (*B_).block<2, 2>(row(landmark_[k]), row(landmark_[l]));
+    }
+  }
+  const Eigen::MatrixXd covariance = B.llt().solve(Eigen::MatrixXd::Identity(size, size));
+  return {a, covariance * a, covariance};
+}
+
+// Its pixel that agrees least with the other landmarks.
+std::size_t FrameGate::worst_of_landmark() const {
+  if (landmark_.size() == 1) return landmark_.front();
+  const GivenOthers all = landmark_given_others();
+  std::size_t worst = 0;
+  double largest = -1.0;
+  for (std::size_t k = 0; k < landmark_.size(); ++k) {
+    const double nis = squared(Eigen::Vector2d(all.nu.segment<2>(row(k))),
+                               Block(all.covariance.block<2, 2>(row(k), row(k))));
+    if (nis <= largest) continue;
+    largest = nis;
+    worst = k;
+  }
+  return landmark_[worst];
 }
 
 // Without i, B is B - B_:i B_ii^-1 B_i: and a is a - B_:i B_ii^-1 a_i. Its own rows stay, as zeros.
@@ -174,13 +277,19 @@ double FrameGate::given_accepted(const FrameInnovation& frame, std::size_t i) co
   return squared(nu, covariance);
 }
 
-// Of those that pass on their own.
+// Of a landmark whose pixels do not agree with each other one is enough.
+bool FrameGate::may_come_in(const FrameInnovation& frame, std::size_t i) const {
+  if (!accepts_alone(i)) return false;
+  for (std::size_t j = 0; agrees_with_own_[i] == 0 && j < frame.z.size(); ++j) {
+    if (accepts(j) && frame.z[j].track == frame.z[i].track) return false;
+  }
+  return given_accepted(frame, i) <= given_others_;
+}
+
 bool FrameGate::admit_others(const FrameInnovation& frame) {
   agree_.clear();
   for (std::size_t i = 0; i < frame.z.size(); ++i) {
-    const bool passes =
-        accepts(i) || (accepts_alone(i) && given_accepted(frame, i) <= given_others_);
-    if (passes) agree_.push_back(i);
+    if (accepts(i) || may_come_in(frame, i)) agree_.push_back(i);
   }
   std::size_t before = 0;
   for (const std::size_t i : set_) before += accepts(i) ? 1 : 0;

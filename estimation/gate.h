@@ -10,6 +10,11 @@
 // begin (one-point consensus, Civera et al. 2010). Of those that agree the worst is dropped, given
 // all others, until all pass. Then what passes given them comes in.
 //
+// A landmark that several cameras of a rig measure is judged with all its pixels together: their
+// NIS, of two degrees of freedom each, as the value of two that is as probable. Where that is too
+// large its worst pixel goes, not the others: a false match of one camera costs no other's. What
+// most agree with is asked pixel by pixel.
+//
 // A camera step of a size met once in twenty frames takes all points beyond a quantile of 95% at
 // once. So where fewer than half pass on their own and agree, it is asked which agree with one
 // whether or not they pass. If these are the majority, and at least five, none is judged on its own
@@ -45,6 +50,12 @@ void add_pixel_noise(std::span<const Observation> z, double pixel_sigma, Growing
 // The 2-dof chi-square quantile, in closed form.
 double pixel_threshold(double probability);
 
+// log P(chi-square(2n) > x) = -x/2 + log sum_{k<n} (x/2)^k / k!, exact for even degrees of freedom.
+double log_chi_square_tail(double x, int n);
+
+// The chi-square value of 2 degrees of freedom that is as probable as `nis` of 2 `pixels`.
+double as_of_one_pixel(double nis, int pixels);
+
 class FrameGate {
  public:
   FrameGate(const GateOptions& options, double pixel_sigma)
@@ -58,26 +69,38 @@ class FrameGate {
   // Of the frame sorted last, by the place of the measurement.
   Eigen::Matrix2d S(std::size_t i) const { return S(i, i); }
   bool accepts(std::size_t i) const { return is_accepted_[i] != 0; }
-  bool accepts_alone(std::size_t i) const { return !asks_alone_ || nis_[i] <= alone_; }
+  bool accepts_alone(std::size_t i) const { return !asks_alone_ || passes_alone_[i] != 0; }
   // With those accepted, whether or not it passes on its own. Where `given_others` is not asked,
   // the accepted ones.
   bool agrees(std::size_t i) const {
     return accepts(i) || (std::isfinite(given_others_) && nis_given_others_[i] <= given_others_);
   }
-  double nis(std::size_t i) const { return nis_[i]; }                            // on its own
-  double nis_given_others(std::size_t i) const { return nis_given_others_[i]; }  // those accepted
+  double nis(std::size_t i) const { return nis_[i]; }  // of this pixel on its own
+  // Those accepted; of an accepted one, that of all accepted pixels of its landmark.
+  double nis_given_others(std::size_t i) const { return nis_given_others_[i]; }
   // Whether it would pass if its landmark had moved by so many pixels (one sigma, either way).
   bool accepts_moved(const FrameInnovation& frame, std::size_t i, double moved_px) const;
   double joint_nis() const { return joint_nis_; }  // nu' S^-1 nu of all accepted
 
  private:
   using Block = Eigen::Matrix2d;
+  struct GivenOthers {
+    Eigen::VectorXd a, nu;
+    Eigen::MatrixXd covariance;  // of nu
+  };
   Block S(std::size_t i, std::size_t j) const;
+  void judge_alone(const FrameInnovation& frame);
+  double nis_alone(const FrameInnovation& frame, std::size_t i, std::size_t end) const;
   void keep_those_that_agree_with_one(const FrameInnovation& frame);
   void begin_with_majority(const FrameInnovation& frame);
   void accept(const FrameInnovation& frame);
-  void drop_worst();
+  void drop_worst(const FrameInnovation& frame);
+  void take_accepted(const FrameInnovation& frame, std::size_t& k);
+  double nis_of_landmark() const;
+  GivenOthers landmark_given_others() const;
+  std::size_t worst_of_landmark() const;
   void drop(std::size_t k);
+  bool may_come_in(const FrameInnovation& frame, std::size_t i) const;
   bool admit_others(const FrameInnovation& frame);
   double given_accepted(const FrameInnovation& frame, std::size_t i) const;
 
@@ -85,9 +108,10 @@ class FrameGate {
   double pixel_sigma_;
   double joint_nis_ = 0.0;
   bool asks_alone_ = true;
-  std::vector<char> is_accepted_;
+  std::vector<char> is_accepted_, passes_alone_, agrees_with_own_;
   std::vector<double> nis_, nis_given_others_;
   std::vector<std::size_t> set_, agree_, most_, passing_;  // places of measurements
+  std::vector<std::size_t> landmark_;                      // in the set: one's accepted pixels
   GrowingMatrix S_;                                        // of all
   GrowingMatrix L_, B_, a_;  // of the set, in its order: S = L L', B, a
   GrowingMatrix gain_, columns_;

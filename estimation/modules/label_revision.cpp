@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "estimation/gate.h"
+
 namespace slammot {
 
 namespace {
@@ -113,7 +115,7 @@ void note_innovation(TrackRecord& record, double nis, const LabelOptions& option
   std::vector<double>& kept = record.static_nis;
   kept.reserve(kInnovations);
   if (std::ssize(kept) == kInnovations) kept.erase(kept.begin());
-  kept.push_back(pixels == 1 ? nis : -2.0 * log_chi_square_tail(nis, pixels));
+  kept.push_back(as_of_one_pixel(nis, pixels));
 }
 
 double moved_px(const TrackRecord& record, const Camera& camera, double dt) {
@@ -169,15 +171,6 @@ void note_reverted(TrackRecord& record) {
   record.static_nis.clear();
   record.classifier_memory.clear();
   record.is_remembered = record.rests_beyond_doubt = false;
-}
-
-double log_chi_square_tail(double x, int n) {
-  double term = 1.0, sum = 0.0;
-  for (int k = 0; k < n; ++k) {
-    sum += term;
-    term *= 0.5 * x / (k + 1);
-  }
-  return -0.5 * x + std::log(sum);
 }
 
 }  // namespace slammot

@@ -101,7 +101,4 @@ void find_undoing(const TrackRecords& records, std::span<const int> tracks,
 // Static no more: unknown, as at its birth.
 void note_reverted(TrackRecord& record);
 
-// log P(chi-square(2n) > x) = -x/2 + log sum_{k<n} (x/2)^k / k!, exact for even degrees of freedom.
-double log_chi_square_tail(double x, int n);
-
 }  // namespace slammot

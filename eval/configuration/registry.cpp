@@ -70,8 +70,9 @@ std::vector<EstimatorRow>& table() {
       filter("static_world", "ekf, every landmark static", false, all_static),
       filter("delayed", "ekf, a landmark counts only once it is classified", false, delayed),
       filter("true_labels", "ekf, labels from the ground truth", true, true_labels),
-      filter("ideal_covariance", "ekf linearised at the truth, labels given, no gate: its covariance",
-             true, ideal_covariance, kIdealCovariance),
+      filter("ideal_covariance",
+             "ekf linearised at the truth, labels given, no gate: its covariance", true,
+             ideal_covariance, kIdealCovariance),
   };
   return rows;
 }

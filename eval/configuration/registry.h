@@ -26,7 +26,7 @@ struct EstimatorRow {
   bool oracle;  // given part of the ground truth, whatever the configuration
   std::function<void(Configuration&)> adjust;  // what the name means beyond the factory
   std::function<std::unique_ptr<Estimator>(const Setup&, const Configuration&)> make;
-  bool has_models = true;  // false: landmark models mean nothing to it
+  bool has_models = true;        // false: landmark models mean nothing to it
   std::string_view unread = {};  // how the names of the keys begin that it never reads
 };
 

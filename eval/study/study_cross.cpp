@@ -66,7 +66,8 @@ StudyCell cell_of(const NamedSettings& scenario, const Settings& values,
 std::string computation(const StudyCell& cell) {
   const std::string_view unread = find_estimator(cell.estimator).unread;
   Json configuration = Json::object();
-  for (const auto& [key, value] : configuration_json(cell).items()) {
+  const Json all = configuration_json(cell);
+  for (const auto& [key, value] : all.items()) {
     if (unread.empty() || !key.starts_with(unread)) configuration[key] = value;
   }
   return Json{cell.scenario, cell.sequence, cell.scene, cell.estimator, configuration}.dump();

@@ -21,14 +21,10 @@ Json cell_json(const StudyCell& cell) {
   if (cell.sequence.empty()) {
     for (const ScenarioParameter& p : scenario_parameters(cell.scenario)) scene[p.name] = p.value;
   }
-  return {{"group", cell.group},
-          {"label", cell.label},
-          {"scenario", cell.scenario},
-          {"sequence", cell.sequence},
-          {"defaults", scene},
-          {"set", cell.scene},
-          {"estimator", cell.estimator},
-          {"configuration", configuration_json(cell)}};
+  return {{"group", cell.group},         {"label", cell.label},
+          {"scenario", cell.scenario},   {"sequence", cell.sequence},
+          {"defaults", scene},           {"set", cell.scene},
+          {"estimator", cell.estimator}, {"configuration", configuration_json(cell)}};
 }
 
 // Without the number of runs, so that a study can be given more.

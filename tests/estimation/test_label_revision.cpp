@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "estimation/gate.h"
 #include "estimation/modules/label_revision.h"
 
 namespace slammot {
