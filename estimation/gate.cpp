@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "estimation/estimator.h"
+#include "models/lapack.h"
 
 namespace slammot {
 
@@ -154,25 +155,20 @@ void FrameGate::begin_with_majority(const FrameInnovation& frame) {
 // All of the set, in a and B.
 void FrameGate::accept(const FrameInnovation& frame) {
   const Index size = row(set_.size());
-  L_.resize(size, size);
   B_.resize(size, size);
   a_.resize(size, 1);
-  auto L = *L_, B = *B_, a = *a_;
+  nu_.resize(size, 1);
+  auto B = *B_, nu = *nu_;
   for (std::size_t k = 0; k < set_.size(); ++k) {
     is_accepted_[set_[k]] = 1;
-    a.block<2, 1>(row(k), 0) = frame.nu[set_[k]];
-    for (std::size_t l = 0; l < set_.size(); ++l) {
-      L.block<2, 2>(row(k), row(l)) = S(set_[k], set_[l]);
+    nu.block<2, 1>(row(k), 0) = frame.nu[set_[k]];
+    for (std::size_t l = 0; l <= k; ++l) {
+      B.block<2, 2>(row(k), row(l)) = S(set_[k], set_[l]);
     }
   }
-  Eigen::Ref<Eigen::MatrixXd> S = L;
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(S);
-  if (llt.info() != Eigen::Success) {
-    throw Diverged("the innovation covariance is not positive definite");
-  }
-  B.setIdentity();
-  llt.solveInPlace(B);
-  llt.solveInPlace(a);
+  if (!cholesky_in_place(B)) throw Diverged("the innovation covariance is not positive definite");
+  invert_cholesky_in_place(B);
+  (*a_).noalias() = B * nu;
 }
 
 void FrameGate::drop_worst(const FrameInnovation& frame) {

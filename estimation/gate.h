@@ -113,7 +113,7 @@ class FrameGate {
   std::vector<std::size_t> set_, agree_, most_, passing_;  // places of measurements
   std::vector<std::size_t> landmark_;                      // in the set: one's accepted pixels
   GrowingMatrix S_;                                        // of all
-  GrowingMatrix L_, B_, a_;  // of the set, in its order: S = L L', B, a
+  GrowingMatrix nu_, B_, a_;                               // of the set, in its order
   GrowingMatrix gain_, columns_;
 };
 

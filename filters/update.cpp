@@ -2,15 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <array>
 #include <cassert>
 
 #include "filters/second_order.h"
-
-// LAPACK: the Cholesky factor of one triangle, in place; and from it one triangle of the inverse.
-// NOLINTBEGIN(readability-identifier-naming)
-extern "C" void dpotrf_(const char* uplo, const int* n, double* A, const int* lda, int* info);
-extern "C" void dpotri_(const char* uplo, const int* n, double* A, const int* lda, int* info);
-// NOLINTEND(readability-identifier-naming)
+#include "models/lapack.h"
 
 namespace slammot {
 
@@ -58,6 +54,30 @@ void add_J_w(const JointState& state, const Devices& devices, int track, const M
   P_Ht.middleRows(w.offset, w.dim) += (J_y * F_yw).transpose();
 }
 
+bool is_again(const Innovation& innovation, std::size_t i) {
+  return i > 0 && innovation.matches[i - 1].track == innovation.matches[i].track;
+}
+
+// Of a landmark that several cameras measure.
+bool is_of_many(const Innovation& innovation, std::size_t i) {
+  return is_again(innovation, i) ||
+         (i + 1 < innovation.matches.size() && is_again(innovation, i + 1));
+}
+
+// As JointCovariance::add_columns() for anchor and y, whose columns are read once for all cameras.
+void add_gathered(const JointCovariance& P, std::array<StateBlock, 2> blocks,
+                  Innovation& innovation, std::size_t i) {
+  auto gathered = *innovation.columns;
+  if (!is_again(innovation, i)) {
+    P.columns(blocks[0], gathered.leftCols<3>());
+    P.columns(blocks[1], gathered.rightCols<3>());
+  }
+  Eigen::Matrix<double, 2, 6> J;
+  J << innovation.predicted[i].J_anchor, innovation.predicted[i].J_y;
+  (*innovation.P_Ht).middleCols<2>(static_cast<Index>(2 * i)) +=
+      gathered.lazyProduct(J.transpose());
+}
+
 // P H': a measurement touches 6 + 3 + 3 columns of P.
 void fill_P_Ht(const JointState& state, const Devices& devices, Innovation& innovation) {
   const JointCovariance& P = state.covariance;
@@ -69,12 +89,18 @@ void fill_P_Ht(const JointState& state, const Devices& devices, Innovation& inno
   auto P_Ht = *innovation.P_Ht;
   P_Ht.noalias() = *innovation.columns * (*innovation.J_pose).transpose();
   for (std::size_t i = 0; i < innovation.matches.size(); ++i) {
-    const FilterLandmark& landmark = state.landmarks.at(innovation.matches[i].track);
+    const int track = innovation.matches[i].track;
+    const FilterLandmark& landmark = state.landmarks.at(track);
     const StateBlock anchor = state.anchors.at(landmark.anchor).block;
+    const ObservedPixel& h = innovation.predicted[i];
     const auto columns = P_Ht.middleCols<2>(static_cast<Index>(2 * i));
-    P.add_columns(anchor, innovation.predicted[i].J_anchor, columns);
-    P.add_columns(landmark.y_block, innovation.predicted[i].J_y, columns);
-    add_J_w(state, devices, innovation.matches[i].track, innovation.predicted[i].J_y, columns);
+    if (is_of_many(innovation, i)) {
+      add_gathered(P, {anchor, landmark.y_block}, innovation, i);
+    } else {
+      P.add_columns(anchor, h.J_anchor, columns);
+      P.add_columns(landmark.y_block, h.J_y, columns);
+    }
+    add_J_w(state, devices, track, h.J_y, columns);
   }
 }
 
@@ -109,16 +135,13 @@ void solve_on_the_right(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<E
 // P H' becomes W = P H' L'^-1 with S = L L', so that W W' = P H' S^-1 H P, and dx = W L^-1 nu.
 void solve(Innovation& innovation) {
   auto S = *innovation.S;
-  const int size = static_cast<int>(innovation.rows());
-  int info = 0;
-  dpotrf_("L", &size, S.data(), &size, &info);
-  if (info != 0) throw Diverged("the innovation covariance is not positive definite");
+  if (!cholesky_in_place(S)) throw Diverged("the innovation covariance is not positive definite");
   auto W = *innovation.P_Ht;
   solve_on_the_right(S, W);
-  auto nu = innovation.stacked_nu();
-  S.triangularView<Eigen::Lower>().solveInPlace(nu);
+  auto r = *innovation.r;
+  S.triangularView<Eigen::Lower>().solveInPlace(r);
   innovation.dx.resize(W.rows(), 1);
-  (*innovation.dx).noalias() = W * nu;
+  (*innovation.dx).noalias() = W * r;
   if (!(*innovation.dx).allFinite()) throw Diverged("the correction of the state is not finite");
 }
 
@@ -152,18 +175,6 @@ void relinearise(const JointState& prior, const Devices& devices, const Rig& rig
     rows_of_H(prior, innovation, k, dx, H_dx);
     if (evaluated[k]) innovation.nu[k] += H_dx;
   }
-}
-
-// a' B^-1 a, of one triangle of B: two rows, or of a rig two for each camera.
-double squared_by(const Eigen::Ref<const Eigen::MatrixXd>& B,
-                  const Eigen::Ref<const Eigen::VectorXd>& a) {
-  if (a.size() > 2) {
-    const Eigen::MatrixXd full = B.selfadjointView<Eigen::Lower>();
-    return a.dot(full.llt().solve(a));
-  }
-  const Eigen::Matrix2d full = Eigen::Matrix2d(B).selfadjointView<Eigen::Lower>();
-  const Eigen::Vector2d a_i = a;
-  return a_i.dot(full.inverse() * a_i);
 }
 
 }  // namespace
@@ -257,31 +268,12 @@ void update(JointState& state, Devices& devices, const Rig& rig, double pixel_si
     if (i > 0) relinearise(state, devices, rig, *first, innovation);
     fill_HPHt(state, innovation, innovation.S);
     add_pixel_noise(innovation.matches, pixel_sigma, innovation.S);
+    fill_rows(innovation);
+    if (iterations == 1 && rig.size() > 1) merge_views(pixel_sigma, innovation);
     solve(innovation);
   }
   state.covariance.subtract_outer(*innovation.P_Ht);
   devices.correct(state, (*innovation.dx).col(0));
-}
-
-void nis_given_others(Innovation& innovation, std::vector<LeaveOneOut>& result) {
-  result.clear();
-  if (innovation.rows() == 0) return;
-  const int size = static_cast<int>(innovation.rows());
-  innovation.S_inverse.resize(size, size);
-  auto B = *innovation.S_inverse;
-  B = *innovation.S;
-  auto a = innovation.stacked_nu();  // L^-1 nu
-  B.triangularView<Eigen::Lower>().transpose().solveInPlace(a);
-  int info = 0;
-  dpotri_("L", &size, B.data(), &size, &info);
-  if (info != 0) throw Diverged("the innovation covariance has no inverse");
-  const std::vector<Observation>& z = innovation.matches;
-  for (std::size_t i = 0, pixels = 0; i < z.size(); i += pixels) {
-    for (pixels = 1; i + pixels < z.size() && z[i + pixels].track == z[i].track;) ++pixels;
-    const auto at = static_cast<Index>(2 * i), n = static_cast<Index>(2 * pixels);
-    const double nis = squared_by(B.block(at, at, n, n), a.segment(at, n));
-    result.push_back({z[i].track, nis, static_cast<int>(pixels)});
-  }
 }
 
 }  // namespace slammot

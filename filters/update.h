@@ -16,6 +16,13 @@ struct ProductJacobians {
   Matrix23d pixel = Matrix23d::Zero();                  // of the ray (W)
 };
 
+// The rows of a landmark in the update: two a pixel, or fewer (merge_views()).
+struct LandmarkRows {
+  int track = 0, pixels = 1;
+  Eigen::Index first = 0, count = 2;
+  double noise_nis = 0.0;  // of what its merged pixels say of their noise alone
+};
+
 // The measurements of a frame linearised at the state: innovation nu = z - h(x), H as its thin
 // product P H' (n x 2m), and what N of second order is made of. Two rows (columns) a match, in the
 // order of the matches. Kept from frame to frame for its memory.
@@ -29,11 +36,14 @@ struct Innovation {
   bool has_common_second_order = false;
 
   Eigen::Index rows() const { return 2 * std::ssize(matches); }
-  Eigen::Map<Eigen::VectorXd> stacked_nu() { return {nu.data()->data(), rows()}; }
 
-  GrowingMatrix columns, J_pose, S, S_inverse, dx, P_d;  // working memory
-  std::vector<StateBlock> places;                        // anchors
-  std::vector<Eigen::Index> place_of;                    // of each match
+  // Of the update: its rows, innovation and S, both then solved for.
+  std::vector<LandmarkRows> landmarks;
+  GrowingMatrix r, S;
+
+  GrowingMatrix columns, J_pose, L_inverse, merged, dx, P_d;  // working memory
+  std::vector<StateBlock> places;                             // anchors
+  std::vector<Eigen::Index> place_of;                         // of each match
 };
 
 // Linearises; matches whose landmark is not expected in view are left out (observation.h).
@@ -58,15 +68,24 @@ void fill_HPHt(const JointState& state, Innovation& innovation, GrowingMatrix& r
 void keep(std::span<const Observation> accepted, Innovation& innovation);
 
 // x and P after the measurements. `iterations` Gauss-Newton steps on the same prior (1: EKF).
-// Afterwards S holds its factor L, nu L^-1 nu and P_Ht W = P H' L^-T. Throws Diverged when S is not
+// Afterwards S holds its factor L, r L^-1 r and P_Ht W = P H' L^-T. Throws Diverged when S is not
 // positive definite or the correction not finite.
 void update(JointState& state, Devices& devices, const Rig& rig, double pixel_sigma, int iterations,
             Innovation& innovation);
 
-// After update(), and once: the NIS of each landmark's measurements given those of all the others,
-// its leave-one-out innovation. With a = S^-1 nu and B = S^-1, a_i' B_ii^-1 a_i (docs/filter.md,
-// Gate): what all of them share, above all the camera's motion, is not in it.
+// leave_one_out.cpp. After update(), and once: the NIS of each landmark's measurements given those
+// of all the others, its leave-one-out innovation. With a = S^-1 nu and B = S^-1,
+// a_i' B_ii^-1 a_i (docs/filter.md, Gate): what all of them share, above all the camera's motion,
+// is not in it.
 void nis_given_others(Innovation& innovation, std::vector<LeaveOneOut>& result);
+
+// merge_views.cpp. The rows of the update from S with its noise: two a pixel.
+void fill_rows(Innovation& innovation);
+
+// After fill_rows(): the pixels of a landmark in several cameras depend on three numbers, where it
+// is seen from camera 0. An orthogonal change of their whitened rows leaves three, and others that
+// are nothing but noise, independent of all else. The update is the same, with fewer rows.
+void merge_views(double pixel_sigma, Innovation& innovation);
 
 // update_considered.cpp. Measurements that correct only their own landmarks, free ones, one after
 // the other, the rest of the state being considered but not corrected (Schmidt's gain, 1966).

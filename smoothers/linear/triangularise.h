@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "smoothers/linear/lapack.h"
+#include "models/lapack.h"
 
 namespace slammot {
 

@@ -1,7 +1,7 @@
 #include "smoothers/solver/landmark_block.h"
 
 #include "estimation/estimator.h"
-#include "smoothers/linear/lapack.h"
+#include "models/lapack.h"
 
 namespace slammot {
 

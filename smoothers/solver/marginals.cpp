@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "smoothers/linear/lapack.h"
+#include "models/lapack.h"
 #include "smoothers/solver/camera_parts.h"
 #include "smoothers/solver/normal_equations.h"
 

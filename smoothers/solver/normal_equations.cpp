@@ -2,7 +2,7 @@
 
 #include "estimation/estimator.h"
 #include "models/so3.h"
-#include "smoothers/linear/lapack.h"
+#include "models/lapack.h"
 #include "smoothers/solver/camera_parts.h"
 
 namespace slammot {

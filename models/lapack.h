@@ -12,6 +12,9 @@ using ConstMatrixRef = Eigen::Ref<const Eigen::MatrixXd, 0, Eigen::OuterStride<>
 // Lower Cholesky factor in place of the lower triangle; false when A is not positive definite.
 bool cholesky_in_place(MatrixRef A);
 
+// L^-1 in place of the lower triangle L; the upper one is left as it is.
+void invert_lower_in_place(MatrixRef L);
+
 // A^-1 in place of its Cholesky factor; both triangles.
 void invert_cholesky_in_place(MatrixRef L);
 
