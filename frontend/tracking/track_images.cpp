@@ -76,6 +76,9 @@ void keep_frame(const Sequence& images, size_t i, Frame frame, Sequence& sequenc
   frame.timestamp = images.frames[i].timestamp;
   sequence.frames.push_back(std::move(frame));
   if (!images.images.empty()) sequence.images.push_back(images.images[i]);
+  for (size_t c = 0; c < images.other_images.size(); ++c) {
+    sequence.other_images[c].push_back(images.other_images[c][i]);
+  }
   if (!images.truth.empty()) sequence.truth.push_back(images.truth[i]);
 }
 
@@ -84,7 +87,7 @@ Sequence without_frames(const Sequence& images) {
   sequence.frames.clear();
   sequence.images.clear();
   sequence.truth.clear();
-  sequence.other_images.clear();
+  for (auto& names : sequence.other_images) names.clear();
   sequence.depth_images.clear();
   // A rig of which no other camera's images are known.
   if (images.other_images.empty()) sequence.other_cameras.clear();
