@@ -19,7 +19,9 @@ void find_frames(const ImageOptions& options, ImagesToTrack& found) {
   const std::filesystem::path place = options.images;
   if (std::filesystem::is_regular_file(place)) {
     found.sequence = read_video(place, options.rate);
-    found.film = video_images(place);
+    found.film = [picture = video_images(place)](std::size_t frame) {
+      return FrameImages{picture(frame), {}, {}};
+    };
     return;
   }
   if (!options.rate || !std::filesystem::is_directory(place)) {

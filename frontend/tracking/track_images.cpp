@@ -9,7 +9,6 @@
 
 #include "datasets/sequence/plausible.h"
 #include "frontend/tracking/depth_image.h"
-#include "frontend/tracking/frame_images.h"
 #include "frontend/tracking/other_view.h"
 
 namespace slammot {
@@ -157,7 +156,9 @@ void track_all(const Sequence& images, const FrameFunction& read, const TrackOpt
   if (board) state_chessboard(*board, *options.chessboard, sequence);
 }
 
-TrackedImages track_frames(const Sequence& images, const FrameFunction& read,
+}  // namespace
+
+TrackedImages track_images(const Sequence& images, const FrameFunction& read,
                            const TrackOptions& options) try {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   // More than there are cores gain nothing, and a process may have only so many.
@@ -179,27 +180,13 @@ TrackedImages track_frames(const Sequence& images, const FrameFunction& read,
   throw std::runtime_error(fmt::format("OpenCV: {}", error.err));
 }
 
-}  // namespace
-
 TrackedImages track_images(const Sequence& images, const TrackOptions& options) {
   if (!options.skip_bad_frames) refuse_missing(images);
   FrameFiles files(images, options.mixed_colours);
-  TrackedImages tracked = track_frames(
+  TrackedImages tracked = track_images(
       images, [&](size_t place) { return files.read(place); }, options);
   if (const auto fault = files.depth_fault()) tracked.warnings.push_back(*fault);
   return tracked;
-}
-
-TrackedImages track_images(const Sequence& images, const ImageFunction& image,
-                           const TrackOptions& options) {
-  Sequence alone = images;
-  alone.other_images.clear();
-  return track_frames(
-      alone,
-      [&](size_t place) {
-        return FrameImages{image(place), {}, {}};
-      },
-      options);
 }
 
 }  // namespace slammot
