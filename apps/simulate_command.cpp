@@ -55,8 +55,9 @@ void render_images(const SimulateArguments& arguments) {
   const RoomOptions options = rendered_options(arguments.scenario.scenario);
   const Sequence sequence = write_room(options, overrides_of(arguments.scenario),
                                        arguments.scenario.seed, arguments.output);
-  fmt::print("{}: {} images, seed {}\n{}\n", sequence.name, sequence.frames.size(),
-             arguments.scenario.seed, arguments.output);
+  const std::size_t images = sequence.frames.size() * (1 + sequence.other_images.size());
+  fmt::print("{}: {} images, seed {}\n{}\n", sequence.name, images, arguments.scenario.seed,
+             arguments.output);
 }
 
 void execute(const SimulateArguments& arguments) {

@@ -1,6 +1,7 @@
 // slammot track IMAGES: from images to a native sequence with measurements.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -51,7 +52,13 @@ void relocate_images(const Path& output, Sequence& sequence) {
   };
   const Path from = whole(sequence.folder), to = whole(output);
   const Path step = from.lexically_relative(to);
-  for (std::string& image : sequence.images) image = (step / image).lexically_normal().string();
+  const auto relocate = [&](std::vector<std::string>& images) {
+    for (std::string& image : images) {
+      if (!image.empty()) image = (step / image).lexically_normal().string();
+    }
+  };
+  relocate(sequence.images);
+  std::ranges::for_each(sequence.other_images, relocate);
 }
 
 std::string noise_text(const TrackedImages& tracked, NoiseModel model) {

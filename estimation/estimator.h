@@ -79,12 +79,14 @@ constexpr std::string_view to_string(Measured measured) {
   return kNames[static_cast<std::size_t>(measured)];
 }
 
-// Where a landmark was expected in the image before the frame's measurements were used.
+// Where a landmark was expected in the image before the frame's measurements were used. Of the
+// other cameras of a rig only where they measured it.
 struct Prediction {
   int track = 0;
   Eigen::Vector2d pixel;
   Eigen::Matrix2d S;  // of the innovation, the noise of the measurement included [px^2]
   Measured measured = Measured::kNot;
+  int camera = 0;
 };
 
 // What happened in one frame.
@@ -101,8 +103,9 @@ struct FrameReport {
   // Of the log of the world's scale, as the estimator holds it: where nothing metric enters, never
   // more than was stated. NaN: not stated, as of a filter or with landmarks known beforehand.
   double scale_information = kUndefined;
-  int negative_inverse_depth = 0;       // landmarks believed behind infinity (legal, counted)
-  std::vector<Prediction> predictions;  // by track; where asked for (Estimator::keep_predictions)
+  int negative_inverse_depth = 0;  // landmarks believed behind infinity (legal, counted)
+  std::vector<Prediction>
+      predictions;  // by track and camera; where asked for (Estimator::keep_predictions)
 };
 
 // The estimate is no longer a number, or its covariance no longer a covariance. The run ends, is

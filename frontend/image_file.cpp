@@ -64,7 +64,11 @@ void require_size(const std::filesystem::path& file, const cv::Mat& image, cv::S
 
 }  // namespace
 
-cv::Mat decode_image(const std::filesystem::path& file) { return eight_bits(decode(file)); }
+cv::Mat decode_image(const std::filesystem::path& file, std::optional<cv::Size> size) {
+  const cv::Mat image = eight_bits(decode(file));
+  if (size) require_size(file, image, *size);
+  return image;
+}
 
 cv::Mat decode_depth(const std::filesystem::path& file, cv::Size size) {
   cv::Mat image = decode(file);

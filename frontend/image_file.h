@@ -34,8 +34,9 @@ class ImageSource {
   double largest_of_16_bits_ = 0.0;
 };
 
-// The image as it is stored, 1 or 3 channels (BGR), of 16 bits the high byte. Throws InputError.
-cv::Mat decode_image(const std::filesystem::path& file);
+// The image as it is stored, 1 or 3 channels (BGR), of 16 bits the high byte; of this size, where
+// one is given. Throws InputError.
+cv::Mat decode_image(const std::filesystem::path& file, std::optional<cv::Size> size = {});
 
 // A depth image: 16 bits, one channel, of this size. Throws InputError.
 cv::Mat decode_depth(const std::filesystem::path& file, cv::Size size);

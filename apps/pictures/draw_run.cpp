@@ -8,6 +8,7 @@
 #include "apps/pictures/run_pictures.h"
 #include "datasets/output/output_files.h"
 #include "datasets/output/output_folder.h"
+#include "datasets/text/printable.h"
 #include "eval/output/run_files.h"
 #include "eval/python/report_generator.h"
 #include "frontend/image_file.h"
@@ -30,6 +31,40 @@ RunPictures pictures_of(const Path& run, const Sequence& sequence) {
   return pictures;
 }
 
+// What is wrong with an image of another camera is said once, and the picture made without it.
+class OtherImages {
+ public:
+  cv::Mat decode(const Path& file, const cv::Size& size) {
+    try {
+      return decode_image(file, size);
+    } catch (const InputError& error) {
+      if (unusable_++ == 0) first_ = error.what();
+      return {};
+    }
+  }
+  void warn() const {
+    if (unusable_ == 0) return;
+    fmt::print(stderr,
+               "slammot: warning: {} images of other cameras cannot be used; the first: {}\n",
+               unusable_, printable(first_));
+  }
+
+ private:
+  int unusable_ = 0;
+  std::string first_;
+};
+
+// Of all cameras; forgets the files of those that are not there.
+std::vector<cv::Mat> decode_images(RunFrame& frame, OtherImages& others) {
+  std::vector<cv::Mat> images{decode_image(frame.images.front())};
+  for (size_t camera = 1; camera < frame.images.size(); ++camera) {
+    Path& file = frame.images[camera];
+    images.push_back(file.empty() ? cv::Mat() : others.decode(file, images.front().size()));
+    if (images.back().empty()) file.clear();
+  }
+  return images;
+}
+
 std::string caption_of(const RunPictures& pictures, const RunFrame& frame) {
   const auto measured = std::ranges::count_if(
       frame.state.landmarks,
@@ -45,13 +80,15 @@ int draw_run(const Path& run, const Sequence& sequence, const Path& output,
              const std::function<void(int done, int total)>& progress) try {
   const RunPictures pictures = pictures_of(run, sequence);
   Film film(output, pictures.size(), pictures.rate());
+  OtherImages others;
   for (int k = 0; k < pictures.size(); ++k) {
-    const RunFrame frame = pictures[k];
-    film.add(frame.frame->index, draw_page(decode_image(frame.image), frame.state, pictures.map(),
-                                           caption_of(pictures, frame)));
+    RunFrame frame = pictures[k];
+    film.add(frame.frame->index, draw_page(decode_images(frame, others), frame.state,
+                                           pictures.map(), caption_of(pictures, frame)));
     if (progress) progress(k + 1, pictures.size());
   }
   film.finish();
+  others.warn();
   return pictures.size();
 } catch (const cv::Exception& error) {
   throw std::runtime_error(fmt::format("OpenCV: {}", error.err));
@@ -60,11 +97,13 @@ int draw_run(const Path& run, const Sequence& sequence, const Path& output,
 int draw_figures(const Path& run, const Sequence& sequence, const Path& output,
                  const std::vector<int>& frames) try {
   const RunPictures pictures = pictures_of(run, sequence);
+  OtherImages others;
   std::vector<RunFrame> drawn;
   for (const int frame : frames) {
     drawn.push_back(pictures[pictures.with_index(frame)]);
-    decode_image(drawn.back().image);  // refuses what cannot be used
+    decode_images(drawn.back(), others);  // refuses what cannot be used
   }
+  others.warn();
   std::filesystem::create_directories(output);
   write_file(output / kPicturesOutput.mark, std::string(kPicturesOutput.begins) + "\n");
   for (const RunFrame& frame : drawn) {

@@ -29,10 +29,10 @@ Json turned(const MapFrame& map, const Eigen::Matrix3d& P) {
   return rows(map.axes * P * map.axes.transpose());
 }
 
-Json predictions(const PictureState& state) {
+Json predictions(const PictureState& state, const CameraView& view) {
   Json json = Json::array();
-  for (const Prediction& p : state.predictions) {
-    const LandmarkEstimate* landmark = state.landmark(p.track);
+  for (const Prediction& p : view.predictions) {
+    const LandmarkEstimate* landmark = find_track(state.landmarks, p.track);
     json.push_back({{"track", p.track},
                     {"label", to_string(landmark ? landmark->label : Label::kUnknown)},
                     {"pixel", list(p.pixel)},
@@ -42,10 +42,10 @@ Json predictions(const PictureState& state) {
   return json;
 }
 
-Json measurements(const PictureState& state) {
+Json measurements(const CameraView& view) {
   Json json = Json::array();
-  for (const Observation& z : state.observations) {
-    const Prediction* prediction = state.prediction(z.track);
+  for (const Observation& z : view.observations) {
+    const Prediction* prediction = find_track(view.predictions, z.track);
     json.push_back({{"track", z.track},
                     {"pixel", list(z.pixel)},
                     {"measured", to_string(prediction ? prediction->measured : Measured::kNot)}});
@@ -73,6 +73,22 @@ Json camera(const MapFrame& map, const CameraEstimate& estimate) {
           {"covariance", turned(map, estimate.covariance.topLeftCorner<3, 3>())}};
 }
 
+Json image_of(const std::filesystem::path& file) {
+  if (file.empty()) return nullptr;
+  return std::filesystem::absolute(file).lexically_normal().string();
+}
+
+Json other_cameras(const RunFrame& frame) {
+  Json json = Json::array();
+  for (std::size_t camera = 1; camera < frame.images.size(); ++camera) {
+    const CameraView& view = frame.state.views[camera];
+    json.push_back({{"image", image_of(frame.images[camera])},
+                    {"predictions", predictions(frame.state, view)},
+                    {"measurements", measurements(view)}});
+  }
+  return json;
+}
+
 }  // namespace
 
 Json frame_json(const RunPictures& pictures, const RunFrame& frame) {
@@ -82,11 +98,12 @@ Json frame_json(const RunPictures& pictures, const RunFrame& frame) {
           {"estimator", pictures.estimator()},
           {"frame", frame.frame->index},
           {"time_s", frame.time},
-          {"image", std::filesystem::absolute(frame.image).lexically_normal().string()},
+          {"image", image_of(frame.images[0])},
           {"width", pictures.camera().width},
           {"height", pictures.camera().height},
-          {"predictions", predictions(state)},
-          {"measurements", measurements(state)},
+          {"predictions", predictions(state, state.views[0])},
+          {"measurements", measurements(state.views[0])},
+          {"other_cameras", other_cameras(frame)},
           {"landmarks", landmarks(map, state)},
           {"camera", camera(map, state.estimate)},
           {"path", points(map, state.path)},

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "eval/output/run_files.h"
 
@@ -42,6 +43,12 @@ std::vector<Row> of_frame(const std::map<int, std::vector<Row>>& rows, int frame
   return found == rows.end() ? std::vector<Row>{} : found->second;
 }
 
+template <typename Row>
+void take_camera(int camera, const std::vector<Row>& from, std::vector<Row>& to) {
+  std::ranges::copy_if(from, std::back_inserter(to),
+                       [&](const Row& row) { return row.camera == camera; });
+}
+
 MapFrame map_of(const RunResult& run, const std::vector<Eigen::Vector3d>& path) {
   std::vector<Eigen::Vector3d> points;
   for (const LandmarkRecord& last : run.landmarks) {
@@ -77,11 +84,29 @@ RunPictures::RunPictures(const Path& run, const Sequence& sequence)
 RunFrame RunPictures::operator[](int k) const {
   const auto at = static_cast<size_t>(k);
   const Frame& frame = sequence_.frames[places_[at]];
-  return {&frame, frame.timestamp - sequence_.frames.front().timestamp,
-          sequence_.folder / sequence_.images[places_[at]],
-          PictureState{run_.run.filtered[at], of_frame(landmarks_, frame.index),
-                       of_frame(predictions_, frame.index), frame.observations,
+  return {&frame, frame.timestamp - sequence_.frames.front().timestamp, images_of(places_[at]),
+          PictureState{run_.run.filtered[at], of_frame(landmarks_, frame.index), views_of(frame),
                        std::span(path_).first(at + 1), std::span(truth_).first(truths_[at])}};
+}
+
+std::vector<Path> RunPictures::images_of(size_t place) const {
+  std::vector<Path> images{sequence_.folder / sequence_.images[place]};
+  for (const auto& names : sequence_.other_images) {
+    images.push_back(names[place].empty() ? Path() : sequence_.folder / names[place]);
+  }
+  return images;
+}
+
+std::vector<CameraView> RunPictures::views_of(const Frame& frame) const {
+  const std::vector<Prediction> predictions = of_frame(predictions_, frame.index);
+  std::vector<CameraView> views(1 + sequence_.other_cameras.size());
+  views[0].observations = frame.observations;
+  for (int camera = 0; CameraView & view : views) {
+    take_camera(camera, predictions, view.predictions);
+    if (camera > 0) take_camera(camera, frame.other_views, view.observations);
+    ++camera;
+  }
+  return views;
 }
 
 int RunPictures::with_index(int frame) const {

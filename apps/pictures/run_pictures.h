@@ -15,8 +15,8 @@ namespace slammot {
 
 struct RunFrame {
   const Frame* frame = nullptr;
-  double time = 0.0;  // since the sequence's first frame [s]
-  std::filesystem::path image;
+  double time = 0.0;                          // since the sequence's first frame [s]
+  std::vector<std::filesystem::path> images;  // of camera 0 and on; empty where a frame has none
   PictureState state;
 };
 
@@ -38,6 +38,9 @@ class RunPictures {
   double rate() const;  // of a film [Hz]
 
  private:
+  std::vector<std::filesystem::path> images_of(size_t place) const;
+  std::vector<CameraView> views_of(const Frame& frame) const;
+
   std::filesystem::path folder_;
   const Sequence& sequence_;
   StoredRun run_;

@@ -19,7 +19,9 @@ void find_frames(const ImageOptions& options, ImagesToTrack& found) {
   const std::filesystem::path place = options.images;
   if (std::filesystem::is_regular_file(place)) {
     found.sequence = read_video(place, options.rate);
-    found.film = video_images(place);
+    found.film = [picture = video_images(place)](std::size_t frame) {
+      return FrameImages{picture(frame), {}, {}};
+    };
     return;
   }
   if (!options.rate || !std::filesystem::is_directory(place)) {
@@ -37,15 +39,15 @@ void find_frames(const ImageOptions& options, ImagesToTrack& found) {
 }
 
 // A camera of one's own is that of camera 0: the folder's second one does not go with it. A native
-// rig names the images of camera 0 only.
+// rig may name the images of camera 0 only.
 void find_others(const ImageOptions& options, ImagesToTrack& found) {
   Sequence& sequence = found.sequence;
-  if (!sequence.other_cameras.empty()) {
-    found.unused.emplace_back("the other cameras of sequence.yaml");
-  }
+  const bool is_native_rig = !sequence.other_cameras.empty();
   if (!options.one_camera) add_other_images(sequence);
   if (!options.camera.empty()) sequence.other_images.clear();
-  if (sequence.other_images.empty()) sequence.other_cameras.clear();
+  if (!sequence.other_images.empty()) return;
+  sequence.other_cameras.clear();
+  if (is_native_rig) found.unused.emplace_back("the other cameras of sequence.yaml");
 }
 
 bool is_used(const std::string& place, const Sequence& sequence) {

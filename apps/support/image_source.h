@@ -20,7 +20,7 @@ void add_image_options(CLI::App& command, ImageOptions& options);
 
 struct ImagesToTrack {
   Sequence sequence;                  // frames without observations
-  ImageFunction film;                 // the pictures of a film, else nothing
+  FrameFunction film;                 // the pictures of a film, else nothing
   std::string camera;                 // of which the camera is, for people
   std::vector<std::string> unused;    // what lies beside the images, and is not looked at
   std::vector<std::string> warnings;  // one line each

@@ -9,16 +9,18 @@ inline constexpr std::string_view kFormat = "slammot-sequence-1";
 
 inline constexpr std::string_view kSettings = "sequence.yaml";
 inline constexpr std::string_view kFrames = "frames.csv";
+inline constexpr std::string_view kOtherImages = "other_images.csv";
 inline constexpr std::string_view kObservations = "observations.csv";
 inline constexpr std::string_view kGroundTruth = "groundtruth.tum";
 inline constexpr std::string_view kLandmarks = "landmarks.csv";
 inline constexpr std::string_view kKnown = "known.csv";
 inline constexpr std::string_view kInitial = "initial.yaml";
-inline constexpr std::string_view kFileNames[] = {kSettings,  kFrames, kObservations, kGroundTruth,
-                                                  kLandmarks, kKnown,  kInitial};
+inline constexpr std::string_view kFileNames[] = {
+    kSettings, kFrames, kOtherImages, kObservations, kGroundTruth, kLandmarks, kKnown, kInitial};
 
 inline constexpr std::string_view kFramesHeader = "frame,timestamp";
 inline constexpr std::string_view kFramesWithImagesHeader = "frame,timestamp,image";
+inline constexpr std::string_view kOtherImagesHeader = "frame,camera,image";
 inline constexpr std::string_view kObservationsHeader = "frame,track,u,v";
 inline constexpr std::string_view kSigmaColumn = "relative_sigma";
 inline constexpr std::string_view kCameraColumn = "camera";

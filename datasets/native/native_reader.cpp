@@ -49,6 +49,11 @@ Sequence settings_and_frames(Folder& folder, const std::filesystem::path& path) 
   return sequence;
 }
 
+void read_others(Folder& folder, Sequence& sequence) {
+  const auto images = folder.optional(native::kOtherImages);
+  if (images) read_other_images(images->file, images->text, sequence);
+}
+
 Source observations_of(Folder& folder, const Sequence& sequence) {
   if (auto source = folder.optional(native::kObservations)) return std::move(*source);
   const std::string reason =
@@ -86,6 +91,7 @@ Sequence read_native(const std::filesystem::path& path) {
   require_whole(path);
   Folder folder(path);
   Sequence sequence = settings_and_frames(folder, path);
+  read_others(folder, sequence);
   const Source observations = observations_of(folder, sequence);
   read_observations(observations.file, observations.text, {sequence.camera, sequence.other_cameras},
                     sequence.frames);
@@ -110,6 +116,11 @@ Sequence read_native_images(const std::filesystem::path& path) {
   read_true_poses(folder, sequence);
   read_first_camera(folder, sequence);
   return sequence;
+}
+
+void add_native_others(Sequence& sequence) {
+  Folder folder(sequence.folder);
+  read_others(folder, sequence);
 }
 
 bool is_native(const std::filesystem::path& folder) {

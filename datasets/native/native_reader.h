@@ -16,6 +16,9 @@ Sequence read_native(const std::filesystem::path& folder);
 // truth. What refers to tracks is not read.
 Sequence read_native_images(const std::filesystem::path& folder);
 
+// The images of the other cameras of a rig, where the folder names them.
+void add_native_others(Sequence& sequence);
+
 // Whether the folder means to be one, right or wrong inside.
 bool is_native(const std::filesystem::path& folder);
 

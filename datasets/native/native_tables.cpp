@@ -22,6 +22,15 @@ int existing_frame(const TextTable& table, size_t i, size_t frames) {
   return frame;
 }
 
+int existing_camera(const TextTable& table, size_t i, const Rig& rig) {
+  const int camera = table.count(i);
+  if (camera >= rig.size()) {
+    table.refuse(
+        fmt::format("camera {} does not exist (sequence.yaml ends at {})", camera, rig.size() - 1));
+  }
+  return camera;
+}
+
 }  // namespace
 
 void read_frames(const std::filesystem::path& file, std::string_view text, Sequence& sequence) {
@@ -45,6 +54,28 @@ void read_frames(const std::filesystem::path& file, std::string_view text, Seque
   if (sequence.frames.empty()) table.refuse("there is no frame");
 }
 
+void read_other_images(const std::filesystem::path& file, std::string_view text,
+                       Sequence& sequence) {
+  constexpr std::string_view headers[] = {native::kOtherImagesHeader};
+  TextTable table(file, text);
+  table.expect_header(headers);
+  const Rig rig(sequence.camera, sequence.other_cameras);
+  sequence.other_images.assign(sequence.other_cameras.size(),
+                               std::vector<std::string>(sequence.frames.size()));
+  while (table.next_comma_row_and_rest(3)) {
+    const int frame = existing_frame(table, 0, sequence.frames.size());
+    const int camera = existing_camera(table, 1, rig);
+    if (camera == 0) table.refuse("the images of camera 0 stand in frames.csv");
+    std::string& image =
+        sequence.other_images[static_cast<size_t>(camera) - 1][static_cast<size_t>(frame)];
+    if (!image.empty()) {
+      table.refuse(fmt::format("frame {} has a second image of camera {}", frame, camera));
+    }
+    image = table.field(2);
+    if (image.empty()) table.refuse("names no image");
+  }
+}
+
 namespace {
 
 struct ObservationRow {
@@ -66,15 +97,6 @@ ObservationColumns observation_columns(TextTable& table) {
   const std::vector<size_t> at = table.expect_header(native::kObservationsHeader, optional);
   const size_t count = 4 + (at[0] > 0 ? 1 : 0) + (at[1] > 0 ? 1 : 0) + (at[2] > 0 ? 2 : 0);
   return {count, at[0], at[1], at[2]};
-}
-
-int existing_camera(const TextTable& table, size_t i, const Rig& rig) {
-  const int camera = table.count(i);
-  if (camera >= rig.size()) {
-    table.refuse(
-        fmt::format("camera {} does not exist (sequence.yaml ends at {})", camera, rig.size() - 1));
-  }
-  return camera;
 }
 
 // Both fields are empty where nothing is measured.

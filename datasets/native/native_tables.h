@@ -9,6 +9,10 @@ namespace slammot {
 // frames.csv: fills frames (without observations) and images.
 void read_frames(const std::filesystem::path& file, std::string_view text, Sequence& sequence);
 
+// other_images.csv, in any order: fills other_images.
+void read_other_images(const std::filesystem::path& file, std::string_view text,
+                       Sequence& sequence);
+
 // observations.csv, in any order: fills the observations of the frames.
 void read_observations(const std::filesystem::path& file, std::string_view text, const Rig& rig,
                        std::vector<Frame>& frames);

@@ -100,6 +100,18 @@ Text frames_text(const Sequence& s) {
   return text;
 }
 
+Text other_images_text(const Sequence& s) {
+  Text text;
+  put(text, "{}\n", native::kOtherImagesHeader);
+  for (size_t i = 0; i < s.frames.size(); ++i) {
+    for (size_t c = 0; c < s.other_images.size(); ++c) {
+      const std::string& image = s.other_images[c][i];
+      if (!image.empty()) put(text, "{},{},{}\n", i, c + 1, image);
+    }
+  }
+  return text;
+}
+
 // Whether any measurement has something that needs a column of its own.
 bool any_of(const Sequence& s, bool (*has)(const Observation&)) {
   return std::ranges::any_of(s.frames, [has](const Frame& frame) {
@@ -183,6 +195,7 @@ Texts texts_of(const Sequence& s, NativeParts parts) {
     texts[name] = fmt::to_string(text);
   };
   add(native::kFrames, frames_text(s));
+  if (!s.other_images.empty()) add(native::kOtherImages, other_images_text(s));
   if (parts == NativeParts::kAll) add(native::kObservations, observations_text(s));
   if (!s.truth.empty()) add(native::kGroundTruth, poses_text(s));
   if (!s.landmarks.empty()) add(native::kLandmarks, landmarks_text(s));
@@ -206,6 +219,8 @@ void require_readable(const std::filesystem::path& folder, const Texts& texts,
   };
   using File = const std::filesystem::path&;
   using Content = const std::string&;
+  visit(native::kOtherImages,
+        [&](File file, Content text) { read_other_images(file, text, read); });
   visit(native::kObservations, [&](File file, Content text) {
     read_observations(file, text, {read.camera, read.other_cameras}, read.frames);
   });
@@ -214,7 +229,8 @@ void require_readable(const std::filesystem::path& folder, const Texts& texts,
         [&](File file, Content text) { read_landmarks(file, text, read.frames.size()); });
   visit(native::kKnown, [](File file, Content text) { read_known(file, text); });
   visit(native::kInitial, [](File file, Content text) { read_initial(file, text); });
-  if (read.name != sequence.name || read.images != sequence.images) {
+  if (read.name != sequence.name || read.images != sequence.images ||
+      read.other_images != sequence.other_images) {
     throw InputError(folder, 0, "a name contains a control character");
   }
 } catch (const InputError& error) {

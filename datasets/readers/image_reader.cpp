@@ -12,7 +12,8 @@ namespace slammot {
 namespace {
 
 constexpr ImageReaderRow kImageReaders[] = {
-    {"native", "sequence.yaml, frames.csv with a column `image`", is_native, read_native_images},
+    {"native", "sequence.yaml, frames.csv with a column `image`", is_native, read_native_images,
+     add_native_others},
     {"euroc", "mav0/cam0/data.csv (EuRoC ASL)", is_euroc, read_euroc, add_euroc_pair},
     {"tum_rgbd", "rgb.txt (TUM RGB-D)", is_tum_rgbd, read_tum_rgbd, add_tum_depth},
     {"kitti_raw", "image_0N/timestamps.txt, calib_cam_to_cam.txt (KITTI raw)", is_kitti_raw,

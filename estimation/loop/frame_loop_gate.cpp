@@ -9,7 +9,8 @@ namespace slammot {
 
 namespace {
 
-auto view_of(const Observation& z) { return std::pair(z.track, z.camera); }
+// Of a measurement or a prediction.
+constexpr auto kView = [](const auto& z) { return std::pair(z.track, z.camera); };
 
 // Of observations by track, the first of each.
 void first_of_each(std::span<const Observation> all, std::vector<Observation>& result) {
@@ -27,7 +28,7 @@ void FrameLoop::find_measured(const Frame& frame) {
       if (manager_.holds(z.track)) measured_.push_back(z);
     }
   }
-  if (!frame.other_views.empty()) std::ranges::sort(measured_, {}, view_of);
+  if (!frame.other_views.empty()) std::ranges::sort(measured_, {}, kView);
 }
 
 void FrameLoop::gate(const Frame& frame, double dt, FrameReport& report) {
@@ -134,7 +135,8 @@ void FrameLoop::note_predictions(FrameReport& report) {
   for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
     const Observation& z = innovation_.z[i];
     report.predictions.push_back({z.track, z.pixel - innovation_.nu[i], gate_.S(i),
-                                  gate_.accepts(i) ? Measured::kAccepted : Measured::kRejected});
+                                  gate_.accepts(i) ? Measured::kAccepted : Measured::kRejected,
+                                  z.camera});
   }
   std::vector<int> others;
   for (const auto& [track, record] : manager_.records()) {
@@ -148,7 +150,7 @@ void FrameLoop::note_predictions(FrameReport& report) {
   std::ranges::copy_if(expected, std::back_inserter(report.predictions),
                        [&](const Prediction& p) { return setup_.camera.in_image(p.pixel); });
   std::erase_if(report.predictions, [](const Prediction& p) { return !p.S.allFinite(); });
-  std::ranges::sort(report.predictions, {}, &Prediction::track);
+  std::ranges::sort(report.predictions, {}, kView);
 }
 
 }  // namespace slammot

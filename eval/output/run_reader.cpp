@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <tuple>
 
 #include "datasets/output/output_files.h"
 #include "datasets/sequence/plausible.h"
@@ -130,7 +131,8 @@ std::vector<LandmarkRecord> read_landmark_rows(const Path& file) {
 
 std::vector<PredictionRecord> read_prediction_rows(const Path& file) {
   std::vector<PredictionRecord> records;
-  for_each_row(file, 8, [&](const TextTable& row) {
+  const size_t fields = fields_of(file, {8, 9});
+  for_each_row(file, fields, [&](const TextTable& row) {
     PredictionRecord record;
     Prediction& p = record.prediction;
     record.frame = row.count(0);
@@ -139,11 +141,12 @@ std::vector<PredictionRecord> read_prediction_rows(const Path& file) {
     const double s_uu = row.real(4), s_uv = row.real(5), s_vv = row.real(6);  // may throw
     p.S << s_uu, s_uv, s_uv, s_vv;
     p.measured = measured_at(row, 7);
+    if (fields > 8) p.camera = row.count(8);
     if (!(p.S(0, 0) > 0.0 && std::abs(p.S(0, 1)) < std::sqrt(p.S(0, 0)) * std::sqrt(p.S(1, 1)))) {
       row.refuse("s_uu, s_uv, s_vv are no covariance");
     }
     const auto place = [](const PredictionRecord& r) {
-      return std::pair(r.frame, r.prediction.track);
+      return std::tuple(r.frame, r.prediction.track, r.prediction.camera);
     };
     if (!records.empty() && place(record) <= place(records.back())) {
       row.refuse("rows are not by frame and track");

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "datasets/output/output_files.h"
@@ -83,16 +84,20 @@ void write_landmarks(std::ostream& out, const std::vector<LandmarkRecord>& landm
 }
 
 void write_predictions(std::ostream& out, const std::vector<PredictionRecord>& predictions) {
+  const bool is_of_rig =
+      std::ranges::any_of(predictions, [](const auto& p) { return p.prediction.camera > 0; });
   out << "# landmarks expected in the image before the measurements of `frame` were used [px], and "
          "the\n"
       << "# covariance of their innovation, the measurement's noise included [px^2]; measured: "
          "what "
          "the gate\n"
       << "# said, - without a measurement\n"
-      << "frame,track,u,v,s_uu,s_uv,s_vv,measured\n";
+      << "frame,track,u,v,s_uu,s_uv,s_vv,measured" << (is_of_rig ? ",camera\n" : "\n");
   for (const auto& [frame, p] : predictions) {
     out << frame << ',' << p.track << ',' << joined(p.pixel, ",") << upper_triangle(p.S) << ','
-        << to_string(p.measured) << '\n';
+        << to_string(p.measured);
+    if (is_of_rig) out << ',' << p.camera;
+    out << '\n';
   }
 }
 

@@ -29,8 +29,9 @@ void draw_cross(cv::Mat& picture, const Eigen::Vector2d& at, Measured measured);
 void draw_dot(cv::Mat& picture, const Eigen::Vector2d& at, const cv::Scalar& colour);
 void draw_line(cv::Mat& picture, const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                const cv::Scalar& colour, int width = 1);
+inline constexpr double kTextScale = 0.45;
 void draw_text(cv::Mat& picture, const std::string& text, const Eigen::Vector2d& left_foot,
-               double scale = 0.45);
+               double scale = kTextScale);
 
 // x' C^-1 x = scale^2 around `centre`; nothing where it is no ellipse, or larger than a quarter of
 // the picture: a depth that is not known yet would cover it.

@@ -1,5 +1,7 @@
 #include "frontend/rendering/picture.h"
 
+#include <fmt/format.h>
+
 #include <functional>
 #include <opencv2/imgproc.hpp>
 
@@ -17,31 +19,33 @@ Eigen::Vector2d enlarged(const Eigen::Vector2d& pixel, int enlarge) {
 }
 
 Label label_of(const PictureState& state, int track) {
-  const LandmarkEstimate* landmark = state.landmark(track);
+  const LandmarkEstimate* landmark = find_track(state.landmarks, track);
   return landmark ? landmark->label : Label::kUnknown;  // pruned in this frame
 }
 
 }  // namespace
 
-cv::Mat draw_predictions(const cv::Mat& image, int enlarge, const PictureState& state) {
+cv::Mat draw_predictions(const cv::Mat& image, int enlarge, const PictureState& state,
+                         std::size_t camera) {
+  const CameraView& view = state.views[camera];
   cv::Mat picture;
   cv::resize(image, picture, {}, enlarge, enlarge, cv::INTER_NEAREST);
   if (picture.channels() == 1) cv::cvtColor(picture, picture, cv::COLOR_GRAY2BGR);
-  for (const Observation& z : state.observations) {
-    const Prediction* prediction = state.prediction(z.track);
+  for (const Observation& z : view.observations) {
+    const Prediction* prediction = find_track(view.predictions, z.track);
     draw_cross(picture, enlarged(z.pixel, enlarge),
                prediction ? prediction->measured : Measured::kNot);
   }
-  for (const Prediction& p : state.predictions) {
+  for (const Prediction& p : view.predictions) {
     const Label label = label_of(state, p.track);
     const cv::Scalar colour = p.measured == Measured::kNot ? kNotFound : colour_of(label);
     const Eigen::Vector2d centre = enlarged(p.pixel, enlarge);
     draw_ellipse(picture, centre, enlarge * enlarge * p.S, kTwoSigma, colour);
     draw_label(picture, centre, label, colour);
   }
-  for (const Observation& z : state.observations) {
-    const LandmarkEstimate* landmark = state.landmark(z.track);
-    if (state.prediction(z.track) || !landmark) continue;
+  for (const Observation& z : view.observations) {
+    const LandmarkEstimate* landmark = find_track(state.landmarks, z.track);
+    if (find_track(view.predictions, z.track) || !landmark) continue;
     draw_label(picture, enlarged(z.pixel, enlarge), landmark->label, colour_of(landmark->label));
   }
   return picture;
@@ -108,25 +112,50 @@ int legend_height(int width) {
   return kRow * (2 + (static_cast<int>(legend().size()) - 1) / columns) + 12;
 }
 
-// The maps beside the image, or below one that is wide.
 cv::Mat joined(const cv::Mat& a, const cv::Mat& b, bool below) {
   cv::Mat both;
   below ? cv::vconcat(a, b, both) : cv::hconcat(a, b, both);
   return both;
 }
 
+bool is_wide(const cv::Mat& image) { return image.cols > 2 * image.rows; }
+
+// Says on the image whose it is, and frames it.
+void draw_tag(cv::Mat& picture, const std::string& text) {
+  const cv::Size size = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, kTextScale, 1, nullptr);
+  cv::rectangle(picture, {0, 0, size.width + 12, size.height + 12}, cv::Scalar(kWhite), cv::FILLED);
+  draw_text(picture, text, {6.0, size.height + 6.0});
+  cv::rectangle(picture, {0, 0}, {picture.cols - 1, picture.rows - 1}, cv::Scalar(kWhite));
+}
+
+// Of several cameras beside each other, wide ones below each other.
+cv::Mat draw_images(const std::vector<cv::Mat>& images, const PictureState& state) {
+  const cv::Mat& first = images.front();
+  const int enlarge = first.cols < 500 ? 2 : 1;
+  cv::Mat seen;
+  for (std::size_t camera = 0; camera < images.size(); ++camera) {
+    const bool is_there = !images[camera].empty();
+    const cv::Mat ground = is_there ? images[camera] : cv::Mat(first.size(), CV_8UC3, kPale);
+    cv::Mat drawn = draw_predictions(ground, enlarge, state, camera);
+    if (images.size() > 1) {
+      draw_tag(drawn, fmt::format("camera {}{}", camera, is_there ? "" : ": no image"));
+    }
+    seen = seen.empty() ? drawn : joined(seen, drawn, is_wide(first));
+  }
+  return seen;
+}
+
 }  // namespace
 
-cv::Mat draw_page(const cv::Mat& image, const PictureState& state, const MapFrame& frame,
-                  const std::string& caption) {
-  const int enlarge = image.cols < 500 ? 2 : 1;
-  const cv::Mat seen = draw_predictions(image, enlarge, state);
-  const bool is_wide = seen.cols > 2 * seen.rows;
+// The maps are beside the image, or below what is wide.
+cv::Mat draw_page(const std::vector<cv::Mat>& images, const PictureState& state,
+                  const MapFrame& frame, const std::string& caption) {
+  const cv::Mat seen = draw_images(images, state);
   const auto map = [&](const MapView& view, int width, int height) {
     return draw_map(frame, view, {width, height}, state);
   };
   cv::Mat page;
-  if (is_wide) {
+  if (is_wide(seen) || images.size() > 1) {
     const int height = 480, half = seen.cols / 2;
     const cv::Mat maps =
         joined(map(kTopView, half, height), map(kSideView, seen.cols - half, height), false);

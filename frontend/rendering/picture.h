@@ -7,18 +7,21 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "frontend/rendering/map_view.h"
 #include "frontend/rendering/picture_state.h"
 
 namespace slammot {
 
-// The image (8 bits, grey or BGR) enlarged by a whole number, in colour, with the ellipses. Where
-// nothing was predicted a measurement has the mark of its landmark alone.
-cv::Mat draw_predictions(const cv::Mat& image, int enlarge, const PictureState& state);
+// A camera's image (8 bits, grey or BGR) enlarged by a whole number, in colour, with the ellipses.
+// Where nothing was predicted a measurement has the mark of its landmark alone.
+cv::Mat draw_predictions(const cv::Mat& image, int enlarge, const PictureState& state,
+                         std::size_t camera = 0);
 
-// All of it; sides are even, as films want them.
-cv::Mat draw_page(const cv::Mat& image, const PictureState& state, const MapFrame& frame,
-                  const std::string& caption);
+// All of it; sides are even, as films want them. The images of the first cameras of the rig are of
+// one size; one but the first may be empty, then its tracks are drawn on a plain ground.
+cv::Mat draw_page(const std::vector<cv::Mat>& images, const PictureState& state,
+                  const MapFrame& frame, const std::string& caption);
 
 }  // namespace slammot

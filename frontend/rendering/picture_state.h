@@ -9,26 +9,28 @@
 
 namespace slammot {
 
+// By track.
+template <typename Row>
+const Row* find_track(const std::vector<Row>& rows, int track) {
+  const auto found = std::ranges::lower_bound(rows, track, {}, &Row::track);
+  return found != rows.end() && found->track == track ? &*found : nullptr;
+}
+
+// Of one camera of the rig, by track.
+struct CameraView {
+  std::vector<Prediction> predictions;  // may be none
+  std::vector<Observation> observations;
+};
+
 struct PictureState {
   CameraEstimate estimate;
   std::vector<LandmarkEstimate> landmarks;  // all in the state after the frame, by track
-  std::vector<Prediction> predictions;      // by track; may be none
-  std::vector<Observation> observations;    // by track
+  std::vector<CameraView> views = std::vector<CameraView>(1);
   std::span<const Eigen::Vector3d> path = {}, truth = {};  // W, up to the frame; may be empty
 
-  const LandmarkEstimate* landmark(int track) const {
-    return find(landmarks, track, &LandmarkEstimate::track);
-  }
-  const Prediction* prediction(int track) const {
-    return find(predictions, track, &Prediction::track);
-  }
-  bool is_measured(int track) const { return find(observations, track, &Observation::track); }
-
- private:
-  template <typename Row>
-  static const Row* find(const std::vector<Row>& rows, int track, int Row::*key) {
-    const auto found = std::ranges::lower_bound(rows, track, {}, key);
-    return found != rows.end() && (*found).*key == track ? &*found : nullptr;
+  bool is_measured(int track) const {
+    return std::ranges::any_of(
+        views, [&](const CameraView& view) { return find_track(view.observations, track); });
   }
 };
 

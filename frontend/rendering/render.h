@@ -9,13 +9,15 @@
 
 namespace slammot {
 
-// The image of a frame, 8-bit grey: RoomOptions::samples squared rays a pixel, mean over the
+// A camera's image of a frame, 8-bit grey: RoomOptions::samples squared rays a pixel, mean over the
 // exposure (which ends half its length after the frame's time), blur and noise. The same bytes for
-// any number of threads.
-cv::Mat render(const Room& room, const RoomOptions& options, std::uint64_t seed, int frame);
+// any number of threads, and of camera 0 with others beside it or without.
+cv::Mat render(const Room& room, const RoomOptions& options, std::uint64_t seed, int frame,
+               int camera = 0);
 
-// Camera, frames, images, true poses, and what the maker states: first camera, motion noise, and
-// the prior of depth as the room has it. No observations: these are the front end's.
+// Cameras, frames, images, true poses, and what the maker states: first camera, motion noise, and
+// the prior of depth as the room has it. No observations: these are the front end's. Throws
+// std::invalid_argument for a second camera outside the room.
 Sequence room_sequence(const RoomOptions& options, std::uint64_t seed);
 
 // Throws std::invalid_argument where room.yaml or images of somebody else would be replaced.

@@ -45,11 +45,17 @@ Sequence rendered(const Options& options, std::uint64_t seed) {
   TrackOptions one_thread;  // a study runs a job on each core
   one_thread.threads = 1;
   if (options.noise_by_alignment != 0) one_thread.noise = NoiseModel::kAlignment;
-  const auto image = [&](std::size_t place) {
-    return render(room, options.room, seed, static_cast<int>(place));
+  const auto frame_images = [&](std::size_t place) {
+    const auto of = [&](std::size_t camera) {
+      return render(room, options.room, seed, static_cast<int>(place), static_cast<int>(camera));
+    };
+    FrameImages frame{of(0), {}, {}};
+    for (std::size_t c = 1; c <= images.other_cameras.size(); ++c) frame.others.push_back(of(c));
+    return frame;
   };
-  Sequence sequence = track_images(images, image, one_thread).sequence;
+  Sequence sequence = track_images(images, frame_images, one_thread).sequence;
   sequence.images.clear();
+  sequence.other_images.clear();
   add_room_truth(room, seed, sequence);
   return sequence;
 }

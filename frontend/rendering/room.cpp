@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "datasets/simulation/scene/second_view.h"
+
 namespace slammot {
 
 std::string_view name_of(RoomScene scene) {
@@ -32,6 +34,7 @@ Parameters parameters(RoomOptions& o) {
       {"samples", "rays of a pixel, along each side", &o.samples, 1},
       {"bodies", "that move through the room; basement: passages of the person", &o.bodies, 0},
       {"body_speed", "[m/s]", &o.body_speed, kAbove0},
+      {kStereo, "baseline of a second camera, to the right [m]; 0: none", &o.stereo, 0},
   };
 }
 
@@ -99,6 +102,11 @@ Camera Room::camera() const {
     camera.lens = RadtanLens{{options_.k1, options_.k2, 0.0, 0.0, 0.0}};
   }
   return camera;
+}
+
+std::vector<MountedCamera> Room::other_cameras() const {
+  if (options_.stereo == 0.0) return {};
+  return {camera_to_the_right(camera(), options_.stereo)};
 }
 
 RoomHit Room::cast(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, double time) const {

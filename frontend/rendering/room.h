@@ -17,8 +17,8 @@
 
 #include "datasets/simulation/random/random_stream.h"
 #include "datasets/simulation/scene/parameters.h"
-#include "models/camera.h"
 #include "models/camera_state.h"
+#include "models/rig.h"
 
 namespace slammot {
 
@@ -38,9 +38,11 @@ struct RoomOptions {
   int samples = 2;                   // rays of a pixel along each side
   int bodies = 3;                    // that move; basement: how often the person passes
   double body_speed = 1.0;           // [m/s]
+  double stereo = 0.0;               // baseline of a second camera [m]; 0: none
 };
 RoomOptions basement_options();  // its defaults: the thesis's camera
 Parameters parameters(RoomOptions& options);
+inline constexpr char kStereo[] = "stereo";  // a key of them
 
 struct RoomBox {
   Eigen::AlignedBox3d at_start;  // W, at time 0
@@ -75,7 +77,9 @@ class Room {
   Room(const RoomOptions& options, std::uint64_t seed);
 
   Camera camera() const;
+  std::vector<MountedCamera> other_cameras() const;  // beside it
   CameraState camera_at(double time) const { return plan_.camera_at(time); }
+  bool holds(const Eigen::Vector3d& point) const { return plan_.walls.at_start.contains(point); }
   // What a ray from inside the room meets first.
   RoomHit cast(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, double time) const;
 

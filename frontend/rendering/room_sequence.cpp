@@ -14,7 +14,12 @@
 namespace slammot {
 namespace {
 
-constexpr char kImages[] = "images";
+// Of camera 0 and of the one beside it.
+constexpr const char* kImages[] = {"images", "images_1"};
+
+std::string image_name(int camera, int frame) {
+  return fmt::format("{}/{:06}.png", kImages[camera], frame);
+}
 
 // Of what the camera sees, on a coarse grid over image and time.
 LandmarkPrior seen_depths(const Room& room, const RoomOptions& options) {
@@ -45,6 +50,8 @@ std::string room_text(RoomOptions options, std::uint64_t seed) {
   std::string text =
       fmt::format("{}\nseed: {}\nscene: {}\n", kRoomOutput.begins, seed, name_of(options.scene));
   for (const ScenarioParameter& parameter : describe(parameters(options))) {
+    // A room of one camera reads as it did before there could be two.
+    if (parameter.name == kStereo && options.stereo == 0.0) continue;
     text += fmt::format("{}: {}\n", parameter.name, parameter.value);
   }
   return text;
@@ -84,6 +91,21 @@ StoredRoom read_room_file(const std::filesystem::path& file) {
   return stored;
 }
 
+void add_second_camera(const Room& room, const RoomOptions& options, Sequence& sequence) {
+  sequence.other_cameras = room.other_cameras();
+  if (sequence.other_cameras.empty()) return;
+  sequence.other_images.resize(1);
+  for (int i = 0; i < options.frames; ++i) {
+    const CameraState& first = *sequence.truth[static_cast<size_t>(i)];
+    if (!room.holds(first.position + first.orientation * sequence.other_cameras[0].t)) {
+      throw std::invalid_argument(
+          fmt::format("{}: {} m from the first the second camera is outside the room in frame {}",
+                      kStereo, options.stereo, i));
+    }
+    sequence.other_images[0].push_back(image_name(1, i));
+  }
+}
+
 }  // namespace
 
 Sequence room_sequence(const RoomOptions& options, std::uint64_t seed) {
@@ -95,9 +117,10 @@ Sequence room_sequence(const RoomOptions& options, std::uint64_t seed) {
   for (int i = 0; i < options.frames; ++i) {
     const double time = i / options.rate;
     sequence.frames.push_back({i, time, {}, {}});
-    sequence.images.push_back(fmt::format("{}/{:06}.png", kImages, i));
+    sequence.images.push_back(image_name(0, i));
     sequence.truth.emplace_back(room.camera_at(time));
   }
+  add_second_camera(room, options, sequence);
   state(StatementOptions{}, seen_depths(room, options), seed, sequence);
   return sequence;
 }
@@ -105,12 +128,14 @@ Sequence room_sequence(const RoomOptions& options, std::uint64_t seed) {
 void require_own_room(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
   require_own_mark(folder, kRoomOutput);
-  const fs::path images = folder / kImages;
-  const bool is_link = fs::is_symlink(fs::symlink_status(images));
-  if (!is_link && (is_vacant(images) || is_own(folder, kRoomOutput))) return;
-  throw std::invalid_argument(images.string() +
-                              ": holds images that are not known to be of this program, and are "
-                              "not replaced");
+  for (const char* part : kImages) {
+    const fs::path images = folder / part;
+    const bool is_link = fs::is_symlink(fs::symlink_status(images));
+    if (!is_link && (is_vacant(images) || is_own(folder, kRoomOutput))) continue;
+    throw std::invalid_argument(images.string() +
+                                ": holds images that are not known to be of this program, and are "
+                                "not replaced");
+  }
 }
 
 Sequence write_room(RoomOptions options, const ScenarioOverrides& overrides, std::uint64_t seed,
@@ -121,11 +146,14 @@ Sequence write_room(RoomOptions options, const ScenarioOverrides& overrides, std
   OutputFiles files;
   add_native(sequence, folder, NativeParts::kWithoutObservations, files);
   files.write(folder / kRoomOutput.mark, room_text(options, seed));
-  std::filesystem::create_directories(folder / kImages);
   const Room room(options, seed);
-  for (int i = 0; i < options.frames; ++i) {
-    write_image(files.aside(folder / sequence.images[static_cast<size_t>(i)]),
-                render(room, options, seed, i));
+  const auto cameras = 1 + static_cast<int>(sequence.other_cameras.size());
+  for (int camera = 0; camera < cameras; ++camera) {
+    std::filesystem::create_directories(folder / kImages[camera]);
+    for (int i = 0; i < options.frames; ++i) {
+      write_image(files.aside(folder / image_name(camera, i)),
+                  render(room, options, seed, i, camera));
+    }
   }
   files.put_in_place();
   return sequence;

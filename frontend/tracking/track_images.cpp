@@ -9,7 +9,6 @@
 
 #include "datasets/sequence/plausible.h"
 #include "frontend/tracking/depth_image.h"
-#include "frontend/tracking/frame_images.h"
 #include "frontend/tracking/other_view.h"
 
 namespace slammot {
@@ -76,6 +75,9 @@ void keep_frame(const Sequence& images, size_t i, Frame frame, Sequence& sequenc
   frame.timestamp = images.frames[i].timestamp;
   sequence.frames.push_back(std::move(frame));
   if (!images.images.empty()) sequence.images.push_back(images.images[i]);
+  for (size_t c = 0; c < images.other_images.size(); ++c) {
+    sequence.other_images[c].push_back(images.other_images[c][i]);
+  }
   if (!images.truth.empty()) sequence.truth.push_back(images.truth[i]);
 }
 
@@ -84,7 +86,7 @@ Sequence without_frames(const Sequence& images) {
   sequence.frames.clear();
   sequence.images.clear();
   sequence.truth.clear();
-  sequence.other_images.clear();
+  for (auto& names : sequence.other_images) names.clear();
   sequence.depth_images.clear();
   // A rig of which no other camera's images are known.
   if (images.other_images.empty()) sequence.other_cameras.clear();
@@ -154,7 +156,9 @@ void track_all(const Sequence& images, const FrameFunction& read, const TrackOpt
   if (board) state_chessboard(*board, *options.chessboard, sequence);
 }
 
-TrackedImages track_frames(const Sequence& images, const FrameFunction& read,
+}  // namespace
+
+TrackedImages track_images(const Sequence& images, const FrameFunction& read,
                            const TrackOptions& options) try {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   // More than there are cores gain nothing, and a process may have only so many.
@@ -176,27 +180,13 @@ TrackedImages track_frames(const Sequence& images, const FrameFunction& read,
   throw std::runtime_error(fmt::format("OpenCV: {}", error.err));
 }
 
-}  // namespace
-
 TrackedImages track_images(const Sequence& images, const TrackOptions& options) {
   if (!options.skip_bad_frames) refuse_missing(images);
   FrameFiles files(images, options.mixed_colours);
-  TrackedImages tracked = track_frames(
+  TrackedImages tracked = track_images(
       images, [&](size_t place) { return files.read(place); }, options);
   if (const auto fault = files.depth_fault()) tracked.warnings.push_back(*fault);
   return tracked;
-}
-
-TrackedImages track_images(const Sequence& images, const ImageFunction& image,
-                           const TrackOptions& options) {
-  Sequence alone = images;
-  alone.other_images.clear();
-  return track_frames(
-      alone,
-      [&](size_t place) {
-        return FrameImages{image(place), {}, {}};
-      },
-      options);
 }
 
 }  // namespace slammot

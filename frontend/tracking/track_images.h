@@ -8,6 +8,7 @@
 
 #include "datasets/sequence/sequence.h"
 #include "frontend/tracking/chessboard.h"
+#include "frontend/tracking/frame_images.h"
 #include "frontend/tracking/health.h"
 #include "frontend/tracking/noise.h"
 #include "frontend/tracking/tracker.h"
@@ -39,10 +40,9 @@ struct TrackedImages {
 // is not found; std::runtime_error for what OpenCV refuses.
 TrackedImages track_images(const Sequence& images, const TrackOptions& options);
 
-// The same of images that are no files: `image` gives that of each place of `images.frames`, 8-bit
-// grey, and is called in their order.
-using ImageFunction = std::function<cv::Mat(std::size_t place)>;
-TrackedImages track_images(const Sequence& images, const ImageFunction& image,
+// The same of images that are no files: `read` gives those of each place of `images.frames`, and is
+// called in their order. Of other cameras only those are used whose images have names.
+TrackedImages track_images(const Sequence& images, const FrameFunction& read,
                            const TrackOptions& options);
 
 }  // namespace slammot

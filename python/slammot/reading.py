@@ -8,7 +8,7 @@ import numpy as np
 import pandas
 import yaml
 
-from .estimator import Camera, Frame
+from .estimator import Camera, Frame, OtherViews
 
 _TUM = ["timestamp", "x", "y", "z", "qx", "qy", "qz", "qw"]
 
@@ -114,12 +114,18 @@ class Sequence:
     camera: Camera
     pixel_sigma: float
     frames: pandas.DataFrame        # frame, timestamp[, image]
-    observations: pandas.DataFrame  # frame, track, u, v[, relative_sigma]
+    observations: pandas.DataFrame  # frame, track, u, v[, relative_sigma][, camera][, depth, depth_sigma]
     truth: pandas.DataFrame = None
     landmarks: pandas.DataFrame = None
     known: pandas.DataFrame = None
     settings: dict = field(default_factory=dict)  # sequence.yaml
     initial: dict = field(default_factory=dict)   # initial.yaml
+    other_cameras: tuple = ()                     # of a rig, from camera 1 on
+    other_images: pandas.DataFrame = None         # frame, camera, image
+
+    def measured_by(self, camera):
+        """The observations of one camera of the rig."""
+        return self.observations[self.observations["camera"] == camera] if "camera" in self.observations else self.observations
 
     def __iter__(self):
         """Frames as an estimator is given them."""
@@ -127,18 +133,30 @@ class Sequence:
         nothing = self.observations.iloc[:0]
         for row in self.frames.itertuples():
             rows = by_frame.get(row.frame, nothing)
-            relative = rows["relative_sigma"].to_numpy(float) if "relative_sigma" in rows else np.ones(len(rows))
-            yield Frame(row.frame, row.timestamp, rows["track"].to_numpy(), rows[["u", "v"]].to_numpy(float), relative)
+            cameras = rows["camera"].to_numpy() if "camera" in rows else np.zeros(len(rows), int)
+            first, others = rows[cameras == 0], rows[cameras > 0]
+            relative = first["relative_sigma"].to_numpy(float) if "relative_sigma" in rows else np.ones(len(first))
+            depths = first[["depth", "depth_sigma"]].fillna(0.0).to_numpy(float) if "depth" in rows else np.zeros((len(first), 2))
+            yield Frame(row.frame, row.timestamp, first["track"].to_numpy(), first[["u", "v"]].to_numpy(float), relative, depths,
+                        OtherViews(others["track"].to_numpy(), cameras[cameras > 0], others[["u", "v"]].to_numpy(float)))
+
+
+def _camera(stated):
+    mounted = stated.get("T_C0_C", {})
+    return Camera(stated["model"], int(stated["width"]), int(stated["height"]), *(float(stated[key]) for key in ("fx", "fy", "cx", "cy")),
+                  np.array(stated.get("distortion", []), float), np.array(mounted.get("position", Camera.position), float),
+                  np.array(mounted.get("quaternion", Camera.orientation), float))
 
 
 def read_sequence(folder):
     """Of the native layout, which `slammot simulate` and `slammot track` write."""
     settings = _yaml(_file(folder, "sequence.yaml"))
-    c = settings["camera"]
-    camera = Camera(c["model"], int(c["width"]), int(c["height"]), *(float(c[key]) for key in ("fx", "fy", "cx", "cy")),
-                    np.array(c.get("distortion", []), float))
-    observations = _table(_file(folder, "observations.csv")).sort_values(["frame", "track"], ignore_index=True)
-    return Sequence(folder=pathlib.Path(folder), name=settings["name"], camera=camera,
+    cameras = tuple(map(_camera, settings.get("cameras") or [settings["camera"]]))
+    observations = _table(_file(folder, "observations.csv"))
+    by = [column for column in ("frame", "track", "camera") if column in observations]
+    observations = observations.sort_values(by, ignore_index=True)
+    return Sequence(folder=pathlib.Path(folder), name=settings["name"], camera=cameras[0], other_cameras=cameras[1:],
+                    other_images=_table(_file(folder, "other_images.csv", required=False)),
                     pixel_sigma=float(settings["pixel_sigma"]), frames=_table(_file(folder, "frames.csv")),
                     observations=observations, truth=_trajectory(_file(folder, "groundtruth.tum", required=False)),
                     landmarks=_table(_file(folder, "landmarks.csv", required=False)),

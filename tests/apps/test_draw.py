@@ -11,6 +11,8 @@ import sys
 import unittest
 import zlib
 
+from PIL import Image
+
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "eval"))
 from fixture import WithFolder, program  # noqa: E402
 
@@ -94,6 +96,27 @@ class Draw(WithFolder):
         self.assertFalse(output.exists())
         program("draw", self.run_folder, "--pdf", "9", "--output", output, code=1, env=os.environ | {"SLAMMOT_PYTHON": "/bin/false"})
         self.assertFalse((output / "frame_000009.pdf").exists())
+
+    def test_both_images_of_two_cameras(self):
+        """Of each its own predictions; a second image that cannot be used is said, and its tracks are drawn without it."""
+        tracked, run = self.folder / "pair", self.folder / "run pair"
+        program("simulate", "--render", "--seed", "3", "--set", "frames=6", "--set", "stereo=0.1", "--output", self.folder / "rig")
+        program("track", self.folder / "rig", "--threads", "1", "--output", tracked)
+        program("run", tracked, "--estimator", "ekf", "--landmarks", "every-frame", "--output", run)
+        program("draw", run, "--pdf", "5")
+        figure = run / "pictures" / "frame_000005"
+        self.assertEqual(len(re.findall(rb"/Subtype /Image", figure.with_suffix(".pdf").read_bytes())), 2)
+        other, = json.loads(figure.with_suffix(".json").read_text())["other_cameras"]
+        places = {z["track"]: z["pixel"] for z in other["measurements"]}
+        near = [abs(p["pixel"][0] - places[p["track"]][0]) < 3.0 for p in other["predictions"]]
+        self.assertGreater(sum(near), 20)
+        self.assertGreater(sum(near), 0.9 * len(near))
+        self.assertEqual(program("draw", run).stderr, "")
+        with Image.open(run / "pictures" / "frames" / "000005.png") as picture:
+            self.assertEqual(picture.width, 2 * 2 * 320)
+        (self.folder / "rig" / "images_1" / "000004.png").unlink()
+        self.assertRegex(program("draw", run).stderr,
+                         r"\Aslammot: warning: 1 images of other cameras cannot be used; the first: .*images_1/000004.png: no such file\n\Z")
 
     def test_a_run_of_an_earlier_build_has_no_ellipses(self):
         run = shutil.copytree(self.run_folder, self.folder / "earlier")

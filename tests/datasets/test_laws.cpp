@@ -56,6 +56,10 @@ Sequence any_sequence() {
   }
   const bool images = *rc::gen::arbitrary<bool>(), truth = *rc::gen::arbitrary<bool>();
   const bool is_uneven = *rc::gen::arbitrary<bool>();
+  if (*rc::gen::arbitrary<bool>()) {
+    s.other_cameras = {{s.camera, Eigen::Quaterniond::Identity(), {0.5, 0.0, 0.0}}};
+    s.other_images.resize(1);
+  }
   double time = within(-1e9, 1e9);
   const int frames = *rc::gen::inRange(1, 6);
   for (int i = 0; i < frames; ++i, time += within(0.001, 1.0)) {
@@ -68,6 +72,9 @@ Sequence any_sequence() {
     }
     s.frames.push_back(frame);
     if (images) s.images.push_back(any_name(true));
+    for (auto& names : s.other_images) {
+      names.push_back(*rc::gen::arbitrary<bool>() ? any_name(true) : "");
+    }
     if (!truth) continue;
     s.truth.emplace_back(any_camera());
     s.truth.back()->position.z() = std::numeric_limits<double>::denorm_min();
@@ -87,6 +94,7 @@ RC_GTEST_PROP(ReaderLaws, WhatIsWrittenIsReadBack, ()) {
   const Sequence b = read_native(folder.path());
   RC_ASSERT(a.name == b.name);
   RC_ASSERT(a.images == b.images);
+  RC_ASSERT(a.other_images == b.other_images);
   RC_ASSERT(a.camera.fx == b.camera.fx);
   RC_ASSERT(a.camera.cy == b.camera.cy);
   RC_ASSERT(a.frames.size() == b.frames.size());

@@ -4,6 +4,7 @@
 
 #include "datasets/native/native_reader.h"
 #include "datasets/native/native_writer.h"
+#include "datasets/readers/image_reader.h"
 #include "datasets/simulation/scenario.h"
 #include "tests/datasets/fixture.h"
 
@@ -132,6 +133,36 @@ TEST(Rigs, BadOnesAreRefused) {
   test::write_text(folder.path() / "sequence.yaml", good);
   test::write_text(folder.path() / "observations.csv", row + "0,3,1,4,1\n");
   EXPECT_EQ(read_native(folder.path()).frames[0].other_views.size(), 1u);
+}
+
+// As in frames.csv the name is the rest of the line; frames may have none.
+TEST(Rigs, NameTheImagesOfTheOtherCameras) {
+  test::TemporaryFolder folder;
+  test::write_good(folder.path());
+  test::write_text(folder.path() / "sequence.yaml", settings(mounted(kGoodPose)));
+  test::write_text(folder.path() / "frames.csv",
+                   "frame,timestamp,image\n0,0,a.png\n1,0.1,b.png\n2,0.2,c.png\n");
+  const auto read = [&](const std::string& rows) {
+    test::write_text(folder.path() / "other_images.csv", "frame,camera,image\n" + rows);
+    Sequence images = read_images(folder.path());
+    EXPECT_TRUE(images.other_images.empty());  // of camera 0 until asked for
+    add_other_images(images);
+    EXPECT_EQ(images.other_images, read_native(folder.path()).other_images);
+    return images.other_images;
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(read("2,1,right/c, d.png\n0,1,a.png\n"),
+            (std::vector<Names>{{"a.png", "", "right/c, d.png"}}));
+  const std::pair<const char*, const char*> bad[] = {
+      {"0,0,a.png\n", "2: the images of camera 0 stand in frames.csv"},
+      {"0,2,a.png\n", "2: camera 2 does not exist (sequence.yaml ends at 1)"},
+      {"3,1,a.png\n", "2: frame 3 does not exist (frames.csv ends at 2)"},
+      {"0,1,a.png\n0,1,b.png\n", "3: frame 0 has a second image of camera 1"},
+      {"0,1,\n", "2: names no image"}};
+  for (const auto& [rows, reason] : bad) {
+    EXPECT_EQ(test::refusal_of([&] { read(rows); }),
+              (folder.path() / "other_images.csv").string() + ":" + reason);
+  }
 }
 
 }  // namespace

@@ -31,8 +31,10 @@ Configuration configuration_of(const Options& options) {
 
 class PredictionsOf : public testing::TestWithParam<Options> {
  protected:
-  static Sequence circle() {
-    return simulate("circle", {{"frames", "90"}, {"first_moving", "3"}, {"outliers", "0.02"}}, 5);
+  static Sequence circle(const std::string& stereo = "0") {
+    return simulate(
+        "circle",
+        {{"frames", "90"}, {"first_moving", "3"}, {"outliers", "0.02"}, {"stereo", stereo}}, 5);
   }
   static RunResult run(const Sequence& sequence, bool predictions) {
     DriveOptions options;
@@ -42,6 +44,30 @@ class PredictionsOf : public testing::TestWithParam<Options> {
 };
 
 // nu' S^-1 nu of what was accepted has the mean that the run states.
+void expect_nis_of_the_run(const Sequence& sequence, const RunResult& result) {
+  std::map<std::tuple<int, int, int>, Eigen::Vector2d> measured;
+  for (const Frame& frame : sequence.frames) {
+    for (const auto* of : {&frame.observations, &frame.other_views}) {
+      for (const Observation& z : *of) measured[{frame.index, z.track, z.camera}] = z.pixel;
+    }
+  }
+  double sum = 0.0;
+  int accepted = 0, rejected = 0, others = 0;
+  for (const auto& [frame, p] : result.predictions) {
+    ASSERT_EQ(p.measured != Measured::kNot, measured.contains({frame, p.track, p.camera}));
+    rejected += p.measured == Measured::kRejected;
+    others += p.measured == Measured::kNot;
+    if (p.measured != Measured::kAccepted) continue;
+    const Eigen::Vector2d nu = measured.at({frame, p.track, p.camera}) - p.pixel;
+    sum += nu.dot(p.S.inverse() * nu);
+    ++accepted;
+  }
+  EXPECT_EQ(accepted, result.totals.accepted);
+  EXPECT_EQ(rejected, result.totals.rejected);
+  EXPECT_GT(others, 10);
+  EXPECT_NEAR(sum, result.totals.nis_sum, 1e-9 * sum);
+}
+
 TEST_P(PredictionsOf, ChangeNoEstimateAndHaveTheNisOfTheRun) {
   const Sequence sequence = circle();
   const RunResult result = run(sequence, true), without = run(sequence, false);
@@ -55,25 +81,12 @@ TEST_P(PredictionsOf, ChangeNoEstimateAndHaveTheNisOfTheRun) {
     ASSERT_EQ(result.filtered[i].covariance, without.filtered[i].covariance);
   }
   EXPECT_EQ(result.totals.nis_sum, without.totals.nis_sum);
-  std::map<std::pair<int, int>, Eigen::Vector2d> measured;
-  for (const Frame& frame : sequence.frames) {
-    for (const Observation& z : frame.observations) measured[{frame.index, z.track}] = z.pixel;
-  }
-  double sum = 0.0;
-  int accepted = 0, rejected = 0, others = 0;
-  for (const auto& [frame, p] : result.predictions) {
-    ASSERT_EQ(p.measured != Measured::kNot, measured.contains({frame, p.track}));
-    rejected += p.measured == Measured::kRejected;
-    others += p.measured == Measured::kNot;
-    if (p.measured != Measured::kAccepted) continue;
-    const Eigen::Vector2d nu = measured.at({frame, p.track}) - p.pixel;
-    sum += nu.dot(p.S.inverse() * nu);
-    ++accepted;
-  }
-  EXPECT_EQ(accepted, result.totals.accepted);
-  EXPECT_EQ(rejected, result.totals.rejected);
-  EXPECT_GT(others, 10);
-  EXPECT_NEAR(sum, result.totals.nis_sum, 1e-9 * sum);
+  expect_nis_of_the_run(sequence, result);
+}
+
+TEST_P(PredictionsOf, OfARigAreThoseOfEachCamera) {
+  const Sequence sequence = select_frames(circle("0.3"), 0, 39, 1);
+  expect_nis_of_the_run(sequence, run(sequence, true));
 }
 
 // Every tenth of the first frames twice: as it is, and without every other measurement.

@@ -135,6 +135,9 @@ TEST_F(RunFolder, PredictionsAreReadBackAndReplaced) {
   run_.predictions = {{0, {4, {1.0 / 3.0, -2e-17}, S, Measured::kAccepted}},
                       {1, {0, {639.1, 2.0}, 3.0 * S, Measured::kNot}},
                       {1, {4, {0.1, 0.2}, S, Measured::kRejected}}};
+  write();
+  EXPECT_THAT(text("predictions.csv"), testing::HasSubstr("s_vv,measured\n"));
+  run_.predictions.push_back({1, {4, {0.3, 0.2}, S, Measured::kAccepted, 1}});  // of a rig
   const auto written = [&] {
     write();
     return read_prediction_rows(path() / "predictions.csv");
@@ -148,6 +151,7 @@ TEST_F(RunFolder, PredictionsAreReadBackAndReplaced) {
     EXPECT_EQ(a.pixel, b.pixel);
     EXPECT_EQ(a.S, b.S);
     EXPECT_EQ(a.measured, b.measured);
+    EXPECT_EQ(a.camera, b.camera);
   }
   run_.predictions.clear();
   EXPECT_TRUE(written().empty());

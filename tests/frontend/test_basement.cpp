@@ -87,7 +87,7 @@ TEST(RenderedScenarios, DependOnTheirSeedAndMayStateTheScaleOnly) {
     SCOPED_TRACE(row.name);
     ScenarioOverrides small{{"frames", "4"}, {"width", "240"}, {"height", "180"}};
     const Sequence all = row.simulate(row.name, small, 5), other = row.simulate(row.name, small, 6);
-    small["scale_only"] = "1";
+    small.emplace("scale_only", "1");
     const Sequence scale = row.simulate(row.name, small, 5);
     EXPECT_TRUE(all.exact_truth && all.images.empty());
     EXPECT_EQ(all.known.size(), 4u);
@@ -107,9 +107,44 @@ TEST(RenderedScenarios, DependOnTheirSeedAndMayStateTheScaleOnly) {
   }
 }
 
+// Camera 0 is as it is alone, and of most points the second pixel is where the truth lies. Those of
+// an edge are between two surfaces.
+TEST(RenderedScenarios, ASecondCameraStandsToTheRight) {
+  for (const ScenarioRow& row : rendered_scenarios()) {
+    SCOPED_TRACE(row.name);
+    ScenarioOverrides small{{"frames", "4"}, {"width", "240"}, {"height", "180"}};
+    const Sequence alone = row.simulate(row.name, small, 5);
+    EXPECT_TRUE(alone.other_cameras.empty());
+    small.emplace("stereo", "0.1");
+    const Sequence both = row.simulate(row.name, small, 5);
+    ASSERT_EQ(both.other_cameras.size(), 1u);
+    EXPECT_TRUE(both.other_images.empty());
+    const MountedCamera& right = both.other_cameras[0];
+    EXPECT_EQ(right.t, Eigen::Vector3d(0.1, 0.0, 0.0));
+    int seen = 0, near = 0;
+    for (std::size_t i = 0; i < both.frames.size(); ++i) {
+      const auto &a = alone.frames[i].observations, &b = both.frames[i].observations;
+      ASSERT_EQ(a.size(), b.size());
+      for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].pixel, b[k].pixel);
+      const CameraState& camera = *both.truth[i];
+      for (const Observation& z : both.frames[i].other_views) {
+        const TruePoint& point = *both.landmarks.at(z.track).at(both.frames[i].index);
+        const Eigen::Vector3d at =
+            camera.orientation.conjugate() * (point.position - camera.position);
+        near += (right.lens.project(right.ray(at, 1.0))->pixel - z.pixel).norm() < 0.5 ? 1 : 0;
+        ++seen;
+      }
+    }
+    EXPECT_GT(seen, 80);
+    EXPECT_GT(near, 8 * seen / 10);
+    EXPECT_THROW(row.simulate(row.name, {{"stereo", "20"}}, 5), std::invalid_argument);
+  }
+}
+
 // `slammot simulate --render` and `slammot track` make the same of the images in files.
 TEST(RenderedScenarios, AreTheSameThroughFiles) {
-  const ScenarioOverrides small{{"frames", "4"}, {"width", "240"}, {"height", "180"}};
+  const ScenarioOverrides small{
+      {"frames", "4"}, {"width", "240"}, {"height", "180"}, {"stereo", "0.1"}};
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("slammot-rendered-" + std::to_string(getpid()));
   cv::setNumThreads(1);  // as in test_rendered.cpp
@@ -119,7 +154,9 @@ TEST(RenderedScenarios, AreTheSameThroughFiles) {
     SCOPED_TRACE(row.name);
     const bool is_basement = row.name == std::string_view("basement");
     write_room(is_basement ? basement_options() : RoomOptions{}, small, 5, folder);
-    Sequence tracked = track_images(read_images(folder), options).sequence;
+    Sequence images = read_images(folder);
+    add_other_images(images);
+    Sequence tracked = track_images(images, options).sequence;
     add_room_truth(folder, tracked);
     std::filesystem::remove_all(folder);
     const Sequence direct = row.simulate(row.name, small, 5);
@@ -129,6 +166,9 @@ TEST(RenderedScenarios, AreTheSameThroughFiles) {
       const auto& b = direct.frames[i].observations;
       ASSERT_EQ(a.size(), b.size());
       for (std::size_t k = 0; k < a.size(); ++k) EXPECT_EQ(a[k].pixel, b[k].pixel);
+      const auto &c = tracked.frames[i].other_views, &d = direct.frames[i].other_views;
+      ASSERT_EQ(c.size(), d.size());
+      for (std::size_t k = 0; k < c.size(); ++k) EXPECT_EQ(c[k].pixel, d[k].pixel);
     }
     ASSERT_EQ(tracked.landmarks.size(), direct.landmarks.size());
     for (const auto& [track, landmark] : direct.landmarks) {

@@ -146,6 +146,30 @@ TEST_F(Beside, OneCameraIsAsIfTheOtherWereNotThere) {
   EXPECT_EQ(text("sequence.yaml"), settings);
 }
 
+// What `track` writes names the images of both: a native rig, which can be tracked as well.
+TEST_F(Beside, ANativeRigNamesBoth) {
+  ASSERT_EQ(track(), 0) << error_;
+  const Path again = folder_.path() / "again";
+  const std::string on =
+      "track '" + output().string() + "' --force --output '" + again.string() + "' ";
+  ASSERT_EQ(slammot(on), 0) << error_;
+  EXPECT_EQ(out_.find("not used"), std::string::npos) << out_;
+  EXPECT_EQ(test::read_text(again / "observations.csv"),
+            test::read_text(output() / "observations.csv"));
+  EXPECT_TRUE(std::filesystem::equivalent(again / read_native(again).other_images.at(0).at(3),
+                                          sequence() / "image_1/000003.png"));
+  ASSERT_EQ(slammot(on + "--one-camera"), 0) << error_;
+  EXPECT_NE(out_.find("not used the other cameras of sequence.yaml: one camera's images are\n"),
+            std::string::npos)
+      << out_;
+  EXPECT_TRUE(read_native(again).other_images.empty());
+  std::filesystem::remove(sequence() / "image_1/000003.png");
+  EXPECT_EQ(slammot(on), 2);
+  EXPECT_NE(error_.find("000003.png: the other image of frame 3 of 6 is missing"),
+            std::string::npos)
+      << error_;
+}
+
 TEST_F(Beside, ACameraOfOnesOwnIsOne) {
   const Path file = folder_.path() / "camera.yaml";
   test::write_text(file,

@@ -40,7 +40,7 @@ TEST(Map, OfACameraAtRestShowsTheNearestPoints) {
 PictureState measured(const LandmarkEstimate& landmark) {
   PictureState state;
   state.landmarks = {landmark};
-  state.observations = {{landmark.track, {20.0, 30.0}}};
+  state.views[0].observations = {{landmark.track, {20.0, 30.0}}};
   return state;
 }
 
@@ -78,7 +78,7 @@ TEST(Map, IsSeenFromTheSideToo) {
 TEST(Map, LeavesOffWhatIsNotMeasuredButADotWhereItIsStatic) {
   for (const Label label : {Label::kUnknown, Label::kStatic, Label::kMoving}) {
     PictureState state = measured(at({2.0, -1.0, 4.0}, label));
-    state.observations.clear();
+    state.views[0].observations.clear();
     const int marked = cv::countNonZero(on_map(state));
     EXPECT_EQ(marked > 0, label == Label::kStatic);
     EXPECT_LT(marked, 20);
@@ -87,8 +87,8 @@ TEST(Map, LeavesOffWhatIsNotMeasuredButADotWhereItIsStatic) {
 
 PictureState with_prediction(Measured what) {
   PictureState state = measured(at({2.0, -1.0, 4.0}, Label::kStatic));
-  if (what == Measured::kNot) state.observations.clear();
-  state.predictions = {{0, {60.0, 40.0}, Eigen::Vector2d(100.0, 25.0).asDiagonal(), what}};
+  if (what == Measured::kNot) state.views[0].observations.clear();
+  state.views[0].predictions = {{0, {60.0, 40.0}, Eigen::Vector2d(100.0, 25.0).asDiagonal(), what}};
   return state;
 }
 
@@ -127,10 +127,33 @@ TEST(Image, TellsARejectedMeasurementByItsShape) {
 TEST(Page, HasEvenSides) {
   for (const cv::Size size : {cv::Size(161, 121), cv::Size(641, 481), cv::Size(1241, 377)}) {
     const MapFrame frame = map_frame({}, metres_forward(9), {});
-    const cv::Mat page = draw_page(cv::Mat(size, CV_8UC1, cv::Scalar(128)), {}, frame, "caption");
+    const cv::Mat page = draw_page({cv::Mat(size, CV_8UC1, cv::Scalar(128))}, {}, frame, "caption");
     EXPECT_EQ(page.rows % 2, 0);
     EXPECT_EQ(page.cols % 2, 0);
     EXPECT_GT(page.rows, size.height);
+  }
+}
+
+// Beside each other, wide ones below each other. Without an image there are the tracks all the
+// same.
+TEST(Page, HasTheImagesOfBothCameras) {
+  const MapFrame frame = map_frame({}, metres_forward(9), {});
+  for (const cv::Size size : {cv::Size(640, 480), cv::Size(1200, 370)}) {
+    const cv::Mat image(size, CV_8UC1, cv::Scalar(128));
+    PictureState state = measured(at({0.0, 0.0, 900.0}, Label::kMoving));  // not on the map
+    state.views = {{}, {{}, {{0, {200.0, 100.0}}}}};
+    PictureState nothing = state;
+    nothing.views[1].observations.clear();
+    for (const cv::Mat& second : {image, cv::Mat()}) {
+      const cv::Mat page = draw_page({image, second}, state, frame, "caption");
+      const cv::Rect mark = cv::boundingRect(
+          difference_of(page, draw_page({image, second}, nothing, frame, "caption")));
+      const bool is_beside = size.width < 2 * size.height;
+      EXPECT_NEAR(mark.x + mark.width / 2, 200 + (is_beside ? size.width : 0), 1);
+      EXPECT_NEAR(mark.y + mark.height / 2, 100 + (is_beside ? 0 : size.height), 1);
+      EXPECT_LT(mark.width, 20);
+      EXPECT_EQ(page.cols, is_beside ? 2 * size.width : size.width);
+    }
   }
 }
 

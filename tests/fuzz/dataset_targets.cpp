@@ -54,8 +54,8 @@ void read_imaged(const Path& folder) {
   add_other_images(s);
   for (const MountedCamera& other : s.other_cameras) {
     require(other.t.allFinite() && other.R.coeffs().allFinite(), "another camera");
-    require(s.other_images.back().size() == s.frames.size(), "its images");
   }
+  for (const auto& names : s.other_images) require(names.size() == s.frames.size(), "its images");
 }
 void read_camera_alone(const Path& folder) {
   const Path file = folder / "camera.yaml";
@@ -64,6 +64,18 @@ void read_camera_alone(const Path& folder) {
 }
 
 Files native() { return {test::kGood.begin(), test::kGood.end()}; }
+
+Files rig() {
+  const std::string camera =
+      "{model: pinhole, width: 320, height: 240, fx: 170, fy: 171, cx: 160, cy: 120";
+  Files files = native();
+  files["sequence.yaml"] =
+      "format: slammot-sequence-1\nname: small\npixel_sigma: 1\ncameras:\n  - " + camera +
+      "}\n  - " + camera + ", T_C0_C: {position: [0.1, 0, 0], quaternion: [0, 0, 0, 1]}}\n";
+  files["frames.csv"] = "frame,timestamp,image\n0,0,a.png\n1,0.1,b.png\n2,0.2,c.png\n";
+  files["other_images.csv"] = "frame,camera,image\n0,1,d.png\n2,1,e.png\n";
+  return files;
+}
 
 Files camera() {
   return {{"camera.yaml",
@@ -133,6 +145,8 @@ constexpr Target kTargets[] = {
     {"native_landmarks", native, "landmarks.csv", read_measured},
     {"native_known", native, "known.csv", read_measured},
     {"native_initial", native, "initial.yaml", read_measured},
+    {"native_rig", rig, "sequence.yaml", read_imaged},
+    {"native_other_images", rig, "other_images.csv", read_imaged},
     {"camera", camera, "camera.yaml", read_camera_alone},
     {"author", author, "groundTruth.txt", read_measured},
     {"euroc_images", euroc, "mav0/cam0/data.csv", read_imaged},

@@ -42,6 +42,19 @@ class Package(WithFolder):
         self.assertEqual(sum(len(frame.tracks) for frame in frames), len(sequence.observations))
         self.assertTrue(all((np.diff(frame.tracks) > 0).all() for frame in frames))
 
+    def test_a_rig_has_its_cameras_views_and_depths(self):
+        alone = slammot.simulate("circle", seed=3, frames=8)
+        rig = slammot.simulate("circle", seed=3, frames=8, stereo=0.2, depth_sigma=0.1)
+        self.assertEqual([list(camera.position) for camera in rig.other_cameras], [[0.2, 0.0, 0.0]])
+        for frame, same in zip(rig, alone):
+            self.assertTrue((frame.pixels == same.pixels).all())
+            views = frame.other_views
+            self.assertTrue((views.cameras == 1).all() and set(views.tracks) <= set(frame.tracks))
+            left = dict(zip(frame.tracks, frame.pixels[:, 0]))
+            self.assertTrue(all(left[track] + 10.0 > u for track, (u, _) in zip(views.tracks, views.pixels)))
+        self.assertTrue((next(iter(rig)).depths > 0.0).all())
+        self.assertEqual(len(alone.other_cameras) + len(next(iter(alone)).other_views.tracks), 0)
+
     def test_truth_projects_to_the_measurements(self):
         sequence = slammot.simulate("helix", seed=1, frames=10)
         known = sequence.known.set_index("track")

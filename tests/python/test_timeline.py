@@ -60,6 +60,19 @@ pixel_sigma: 1
     return folder
 
 
+def write_rig(folder):
+    """A second camera, which sees every other track 20 pixels further left, and has no image of frame 1."""
+    write_sequence(folder)
+    settings, head, rows = folder / "sequence.yaml", *(folder / "observations.csv").read_text().split("\n", 1)
+    camera = re.search("camera: (.*)}", settings.read_text())[1]
+    settings.write_text(re.sub("camera: .*}", f"cameras:\n  - {camera}}}\n  - {camera}, T_C0_C: {{position: [0.1, 0, 0], quaternion: [0, 0, 0, 1]}}}}", settings.read_text()))
+    seen = [(k, track, *pixel_of(k, track)) for k in range(FRAMES) for track in range(0, TRACKS, 2)]
+    (folder / "observations.csv").write_text(f"{head},camera\n" + rows.replace("\n", ",0\n") + "".join(f"{k},{track},{u - 20},{v},1\n" for k, track, u, v in seen))
+    shutil.copytree(folder / "images", folder / "right")
+    (folder / "other_images.csv").write_text("frame,camera,image\n" + "".join(f"{k},1,right/{k:06}.png\n" for k in range(FRAMES) if k != 1))
+    return folder
+
+
 def write_run(folder, sequence, frames=FRAMES, every_frame=True):
     folder.mkdir()
     (folder / "run.yaml").write_text(f"format: slammot-run-1\nestimator: ekf\nsequence: {{name: made-up, path: {sequence}}}\n")
@@ -156,6 +169,25 @@ class Timeline(unittest.TestCase):
         self.assertIsNone(self.data(run)["pictures"])
         self.assertIn("names no images", self.text)
 
+    def test_of_two_cameras_both_are_shown(self):
+        rig = write_rig(self.folder / "rig")
+        run = write_run(self.folder / "of rig", rig)
+        data = self.data(run)
+        self.assertEqual([len(pictures) for pictures in data["other_pictures"]], [FRAMES])
+        self.assertEqual([k for k, shown in enumerate(data["other_pictures"][0]) if shown is None], [1])
+        for frame in data["frames"]:
+            self.assertEqual(len(frame["tracks"]), TRACKS)
+            first = {track: (u, label) for track, u, _, label in frame["tracks"]}
+            self.assertEqual([track for track, *_ in frame["others"][0]], list(range(0, TRACKS, 2)))
+            for track, u, _, label in frame["others"][0]:
+                self.assertAlmostEqual(u, first[track][0] - 20, delta=0.11)
+                self.assertEqual(label, first[track][1])
+        self.assertEqual(self.text.count("<canvas id="), 3)
+        if shutil.which("chromium"):
+            self.assertIn('data-image="true,true"', self.drawn(run, "#frame=12"))
+        (rig / "right" / "000007.png").unlink()
+        self.data(run, f"timeline: warning: 1 images of camera 1 are missing, as {rig}/right/000007.png.\n")
+
     def test_the_same_bytes_again(self):
         self.data()
         first = self.text
@@ -182,19 +214,24 @@ class Timeline(unittest.TestCase):
                 self.assertRegex(said, rf"\Atimeline: [ -~]*{words}[ -~]*\n\Z")
         self.assertEqual((other / "timeline.html").read_text(), "mine")
 
+    def drawn(self, run, asked):
+        """The head of what Chromium makes of a page."""
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+            done = subprocess.run(
+                ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
+                 "--disable-component-update", "--disable-sync", "--enable-logging=stderr", "--virtual-time-budget=5000",
+                 f"--user-data-dir={profile}", "--dump-dom", (run / "timeline.html").as_uri() + asked],
+                capture_output=True, text=True, timeout=300, check=False)
+        self.assertNotIn(":CONSOLE", done.stderr)
+        self.assertNotIn("data-error", done.stdout[:1000])
+        return done.stdout[:1000]
+
     @unittest.skipUnless(shutil.which("chromium"), "needs chromium")
     def test_it_is_drawn_at_the_frame_of_its_address(self):
         self.data()
         for asked, shown in (("", 0), ("#frame=12", 12), ("#frame=999", FRAMES - 1)):
-            with self.subTest(asked), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
-                done = subprocess.run(
-                    ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-                     "--disable-component-update", "--disable-sync", "--enable-logging=stderr", "--virtual-time-budget=5000",
-                     f"--user-data-dir={profile}", "--dump-dom", (self.run_folder / "timeline.html").as_uri() + asked],
-                    capture_output=True, text=True, timeout=300, check=False)
-                self.assertNotIn(":CONSOLE", done.stderr)
-                html = done.stdout[:1000]
-                self.assertNotIn("data-error", html)
+            with self.subTest(asked):
+                html = self.drawn(self.run_folder, asked)
                 self.assertIn(f'data-drawn="{shown}"', html)
                 counts = [sum(label_of(shown, track) == label for track in range(TRACKS)) for label in (*timeline.LABELS, None)]
                 self.assertIn(f'data-marks="{",".join(map(str, counts))}"', html)

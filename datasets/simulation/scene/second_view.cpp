@@ -19,10 +19,13 @@ const Eigen::Vector3d& true_position(const Sequence& sequence, const Frame& fram
 
 }  // namespace
 
+MountedCamera camera_to_the_right(const Camera& first, double baseline) {
+  return {first, Eigen::Quaterniond::Identity(), {baseline, 0.0, 0.0}};
+}
+
 void add_second_view(const RecordingOptions& options, std::uint64_t seed, Sequence& sequence) {
   if (options.stereo == 0.0) return;
-  const Eigen::Vector3d to_the_right(options.stereo, 0.0, 0.0);
-  const MountedCamera right(sequence.camera, Eigen::Quaterniond::Identity(), to_the_right);
+  const MountedCamera right = camera_to_the_right(sequence.camera, options.stereo);
   sequence.other_cameras = {right};
   RandomStream noise(seed, "pixels of camera 1");
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {

@@ -7,6 +7,8 @@
 
 namespace slammot {
 
+MountedCamera camera_to_the_right(const Camera& first, double baseline);  // [m]
+
 void add_second_view(const RecordingOptions& options, std::uint64_t seed, Sequence& sequence);
 void add_depths(const RecordingOptions& options, std::uint64_t seed, Sequence& sequence);
 

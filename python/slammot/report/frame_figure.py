@@ -18,7 +18,7 @@ REGION_95 = 5.991464547107979 ** 0.5  # chi-square, two dimensions
 LARGEST = 0.25     # half an axis in parts of the axes: a depth that is not known yet would cover them
 
 # Okabe and Ito's, as frontend/rendering/marks.h.
-NOT_FOUND, REJECTED, GREY = "#56B4E9", "#E69F00", "#969696"
+NOT_FOUND, REJECTED, GREY, PALE = "#56B4E9", "#E69F00", "#969696", "#e1e1e1"
 
 
 @dataclass
@@ -64,25 +64,33 @@ def ellipse(axis, centre, covariance, scale, colour, largest):
         axis.add_patch(Ellipse(centre, 2 * half[1], 2 * half[0], angle=angle, fill=False, edgecolor=colour, linewidth=0.7))
 
 
-def draw_image(axis, frame):
+def show_image(axis, file):
     import matplotlib.image
+    if file is None:
+        axis.set_facecolor(PALE)
+        return
     try:
-        image = matplotlib.image.imread(frame["image"])
+        image = matplotlib.image.imread(file)
     except (OSError, ValueError) as error:
-        raise BadInput(f"{frame['image']}: {error}") from error
+        raise BadInput(f"{file}: {error}") from error
     axis.imshow(image, cmap="gray", vmin=0, vmax=255 if image.dtype.kind == "u" else 1, interpolation="nearest")
+
+
+def draw_image(axis, frame, camera):
+    """`camera`: one of those of the frame, or the frame itself for camera 0."""
+    show_image(axis, camera["image"])
     for measured in MEASURED:
-        cross(axis, [z["pixel"] for z in frame["measurements"] if z["measured"] == measured], measured)
-    for p in frame["predictions"]:
+        cross(axis, [z["pixel"] for z in camera["measurements"] if z["measured"] == measured], measured)
+    for p in camera["predictions"]:
         colour = NOT_FOUND if p["measured"] == "-" else LABELS[p["label"]].colour
         ellipse(axis, p["pixel"], p["S"], TWO_SIGMA, colour, LARGEST * frame["width"])
         mark(axis, [p["pixel"]], p["label"], colour)
-    predicted = {p["track"] for p in frame["predictions"]}
+    predicted = {p["track"] for p in camera["predictions"]}
     labels = {landmark["track"]: landmark["label"] for landmark in frame["landmarks"]}
-    for z in frame["measurements"]:
+    for z in camera["measurements"]:
         if z["track"] not in predicted and z["track"] in labels:
             mark(axis, [z["pixel"]], labels[z["track"]])
-    axis.set(xlim=(-0.5, frame["width"] - 0.5), ylim=(frame["height"] - 0.5, -0.5), xticks=[], yticks=[])
+    axis.set(xlim=(-0.5, frame["width"] - 0.5), ylim=(frame["height"] - 0.5, -0.5), xticks=[], yticks=[], aspect="equal")
     axis.grid(False)
     for spine in axis.spines.values():
         spine.set_visible(False)
@@ -157,6 +165,7 @@ class Layout:
 
 
 LABEL, TITLE = 0.42, 0.24  # beside and below a map; above it
+GAP = 0.04                 # between images
 
 
 def beside(aspect, right, forward, up):
@@ -187,10 +196,24 @@ def below(aspect, right, forward, up):
         "legend": (0.0, 0.0, WIDTH, legend)}, 4)
 
 
+def cameras_of(frame):
+    """Camera 0 is the frame itself; earlier builds wrote no others."""
+    return [frame, *frame.get("other_cameras", ())]
+
+
 def layout(frame):
+    """Images of several cameras are side by side, wide ones below each other."""
     extent = [u - l for l, u in zip(frame["shown"]["lower"], frame["shown"]["upper"])]
-    aspect = frame["height"] / frame["width"]
-    return (below if aspect < 0.5 else beside)(aspect, *extent)
+    aspect, count = frame["height"] / frame["width"], len(cameras_of(frame))
+    across, down = (1, count) if aspect < 0.5 else (count, 1)
+    aspect *= down / across
+    placed = (below if aspect < 0.5 or count > 1 else beside)(aspect, *extent)
+    left, foot, width, height = placed.boxes.pop("image")
+    wide, tall = (width - GAP * (across - 1)) / across, (height - GAP * (down - 1)) / down
+    for k in range(count):
+        column, row = (k, 0) if down == 1 else (0, down - 1 - k)
+        placed.boxes[k] = (left + column * (wide + GAP), foot + row * (tall + GAP), wide, tall)
+    return placed
 
 
 def draw(plt, frame):
@@ -200,7 +223,12 @@ def draw(plt, frame):
     width, height = placed.size
     axes = {name: figure.add_axes((x / width, y / height, w / width, h / height))
             for name, (x, y, w, h) in placed.boxes.items()}
-    draw_image(axes["image"], frame)
+    cameras = cameras_of(frame)
+    for k, camera in enumerate(cameras):
+        draw_image(axes[k], frame, camera)
+        if len(cameras) > 1:
+            axes[k].annotate(f"camera {k}" + ("" if camera["image"] else ": no image"), (0, 1), (3, -3), xycoords="axes fraction",
+                             textcoords="offset points", va="top", fontsize=6.5, bbox={"facecolor": "white", "edgecolor": "none", "pad": 2})
     for view in VIEWS:
         draw_map(axes[view], frame, view)
     handles, texts = zip(*legend_entries())

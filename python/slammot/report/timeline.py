@@ -139,16 +139,18 @@ def nis_of(run, sequence):
     """Frame to the mean NIS of its accepted measurements."""
     if run.predictions is None or run.predictions.empty:
         return {}
-    used = run.predictions[run.predictions["measured"] == "accepted"].merge(sequence.observations, on=["frame", "track"], suffixes=("", "_z"))
+    of_rig = "camera" in run.predictions
+    used = run.predictions[run.predictions["measured"] == "accepted"].merge(
+        sequence.observations if of_rig else sequence.measured_by(0), on=["frame", "track", *(["camera"] if of_rig else [])], suffixes=("", "_z"))
     x, y = used["u_z"] - used["u"], used["v_z"] - used["v"]
     nis = (used["s_vv"] * x * x - 2 * used["s_uv"] * x * y + used["s_uu"] * y * y) / (used["s_uu"] * used["s_vv"] - used["s_uv"] ** 2)
     return nis.groupby(used["frame"]).mean().to_dict()
 
 
-def tracks_of(sequence, labels):
+def tracks_of(observations, labels):
     """Frame to [track, u, v, label] of what it measured."""
     tracks = {}
-    for r in sequence.observations.itertuples():
+    for r in observations.itertuples():
         tracks.setdefault(r.frame, []).append([int(r.track), round(r.u, 1), round(r.v, 1), labels(r.frame, r.track)])
     return tracks
 
@@ -207,7 +209,8 @@ def data_of(run, sequence):
     if not len(run.trajectory) or not count:
         raise BadInput(f"{run.folder}: the run has no frame")
     labels, places, above = Labels(run), places_of(run, sequence), FromAbove(run.trajectory.iloc[0])
-    tracks = tracks_of(sequence, labels)
+    tracks = tracks_of(sequence.measured_by(0), labels)
+    others = [tracks_of(sequence.measured_by(1 + k), labels) for k in range(len(sequence.other_cameras))]
     landmarks = landmarks_of(run, above, tracks)
     estimated = above(run.trajectory[["x", "y", "z"]].to_numpy())
     true, error, how = true_path(run, sequence)
@@ -215,7 +218,7 @@ def data_of(run, sequence):
     times = sequence.frames["timestamp"].to_numpy()
     points = np.array([found[2:4] for found in landmarks.get(None, landmarks.get(max(filter(lambda f: f is not None, landmarks), default=None), []))], float).reshape(-1, 2)
     return {"width": sequence.camera.width, "height": sequence.camera.height, "every": every, "count": count,
-            "frames": [{"frame": k, "time": round(float(times[k] - times[0]), 3), "tracks": tracks.get(k, []),
+            "frames": [{"frame": k, "time": round(float(times[k] - times[0]), 3), "tracks": tracks.get(k, []), "others": [other.get(k, []) for other in others],
                         "landmarks": landmarks.get(k, []) if labels.every_frame else None} for k in range(0, count, every)],
             "landmarks": landmarks.get(None, []), "every_frame": labels.every_frame,
             "path": [[int(k), *map(rounded, p)] for k, p in zip(places, estimated)],
@@ -232,17 +235,30 @@ def headings(run, above):
     return above.turned(np.array([matrix(q)[:, 2] for q in quaternions]))
 
 
-def pictures_of(sequence, frames):
-    """(a picture or None for each frame shown, why some are missing)."""
-    if "image" not in sequence.frames:
-        return None, "The sequence names no images."
+def pictures_of(sequence, frames, images, name="images"):
+    """(a picture or None for each frame shown, why some are missing); `images` are their names by frame."""
     width = min(WIDTH, sequence.camera.width)
     size = width, max(1, round(width * sequence.camera.height / sequence.camera.width))
-    files = [sequence.folder / str(sequence.frames["image"].iloc[frame["frame"]]) for frame in frames]
-    missing = [file for file in files if not file.is_file()]
+    files = [sequence.folder / images[frame["frame"]] if frame["frame"] in images else None for frame in frames]
+    missing = [file for file in files if file and not file.is_file()]
     if len(missing) == len(files):
-        return None, f"The images are not where the sequence names them, as {missing[0]}."
-    return [picture(file, size) if file.is_file() else None for file in files], f"{len(missing)} images are missing, as {missing[0]}." if missing else ""
+        return None, f"The {name} are not where the sequence names them, as {missing[0]}."
+    return ([picture(file, size) if file and file.is_file() else None for file in files],
+            f"{len(missing)} {name} are missing, as {missing[0]}." if missing else "")
+
+
+def pictures_of_all(sequence, frames):
+    """(the pictures of camera 0 or None, of each other camera whose images are named likewise, why some are missing)."""
+    if "image" not in sequence.frames:
+        return None, [], "The sequence names no images."
+    pictures, missing = pictures_of(sequence, frames, dict(enumerate(map(str, sequence.frames["image"]))))
+    others, named = [], sequence.other_images
+    for k in range(len(sequence.other_cameras) if named is not None else 0):
+        rows = named[named["camera"] == 1 + k]
+        found, why = pictures_of(sequence, frames, dict(zip(rows["frame"], map(str, rows["image"]))), f"images of camera {1 + k}")
+        others.append(found)
+        missing = " ".join(filter(None, (missing, why)))
+    return pictures, others, missing
 
 
 def notes_of(data, missing):
@@ -269,14 +285,14 @@ LEGEND = (("0", "static"), ("1", "unknown"), ("2", "moving"), ("3", "measured, n
 def page(output, given):
     run, sequence = read(output, given.sequence)
     data = data_of(run, sequence)
-    data["pictures"], missing = pictures_of(sequence, data["frames"])
+    data["pictures"], data["other_pictures"], missing = pictures_of_all(sequence, data["frames"])
     if "image" in sequence.frames and missing:
         print(f"timeline: warning: {one_line(missing)}", file=sys.stderr)
     estimator = run.description.get("estimator") or run.folder.resolve().name
     return rendered(
         "timeline.html", "timeline.js", data, with_plotly=False, title=f"{estimator} on {sequence.name}",
         about="Drag the slider, use the keys left and right, or click into a series; the space bar plays.", wide=data["width"] > 2 * data["height"],
-        pictured=bool(data["pictures"]), legend=[entry for entry in LEGEND if entry[0] != "truth" or data["truth"]], notes=notes_of(data, missing))
+        pictured=bool(data["pictures"]), others=len(sequence.other_cameras), legend=[entry for entry in LEGEND if entry[0] != "truth" or data["truth"]], notes=notes_of(data, missing))
 
 
 def main():

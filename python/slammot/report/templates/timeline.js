@@ -71,7 +71,9 @@ class Page {
   constructor(data) {
     this.data = data;
     this.at = 0;
-    this.images = data.frames.map(() => null);
+    this.cameras = [...Array(1 + data.frames[0].others.length).keys()];
+    this.pictures = [data.pictures, ...data.other_pictures];
+    this.images = this.cameras.map(() => data.frames.map(() => null));
     this.slider = document.getElementById("frame");
     this.slider.max = data.frames.length - 1;
     this.strips = data.series.map((series) => this.strip_of(series));
@@ -110,33 +112,34 @@ class Page {
     return this.data.landmarks.map(([label, track, ...at]) => [label, measured.has(track), ...at]).filter(([label, seen]) => seen || label === 0);
   }
 
-  // The picture of the frame, once it is decoded.
-  image() {
-    if (!this.data.pictures || !this.data.pictures[this.at]) return null;
-    if (!this.images[this.at]) {
-      const image = this.images[this.at] = new Image(), at = this.at;
+  // A camera's picture of the frame, once it is decoded.
+  image(camera) {
+    const pictures = this.pictures[camera], images = this.images[camera], at = this.at;
+    if (!pictures || !pictures[at]) return null;
+    if (!images[at]) {
+      const image = images[at] = new Image();
       image.onload = () => at === this.at && this.draw();
-      image.src = this.data.pictures[at];
+      image.src = pictures[at];
     }
-    return this.images[this.at].complete ? this.images[this.at] : null;
+    return images[at].complete ? images[at] : null;
   }
 
-  draw_image() {
-    const canvas = document.getElementById("image"), {width, height, frames} = this.data;
+  draw_image(camera) {
+    const canvas = document.getElementById(`image-${camera}`), {width, height, frames} = this.data;
     const [c, across, down] = cleared(canvas, canvas.clientWidth * height / width), scale = across / width;
     c.fillStyle = "#f5f6f8";
     c.fillRect(0, 0, across, down);
-    const image = this.image();
+    const image = this.image(camera), tracks_of = (frame) => camera ? frame.others[camera - 1] : frame.tracks, tracks = tracks_of(this.frame);
     if (image) c.drawImage(image, 0, 0, across, down);
     const on_canvas = ([, u, v]) => [(u + 0.5) * scale, (v + 0.5) * scale];
-    const before = frames.slice(Math.max(0, this.at - TRAIL), this.at).map((f) => new Map(f.tracks.map((t) => [t[0], t])));
-    for (const track of this.frame.tracks) {
+    const before = frames.slice(Math.max(0, this.at - TRAIL), this.at).map((f) => new Map(tracks_of(f).map((t) => [t[0], t])));
+    for (const track of tracks) {
       const trail = [...before.map((f) => f.get(track[0])).map((t) => t ? on_canvas(t) : null), on_canvas(track)];
       line(c, trail, "#fff", 3.5);
       line(c, trail, COLOURS[track[3]], track[3] === 2 ? 2.5 : 1.5, track[3] === 1 ? DASHES[1] : []);
     }
     // What moves lies on top.
-    for (const label of [3, 0, 1, 2]) this.frame.tracks.filter((t) => t[3] === label).forEach((t) => mark(c, label, ...on_canvas(t)));
+    for (const label of [3, 0, 1, 2]) tracks.filter((t) => t[3] === label).forEach((t) => mark(c, label, ...on_canvas(t)));
   }
 
   draw_map() {
@@ -213,13 +216,13 @@ class Page {
   }
 
   draw() {
-    this.draw_image();
+    this.cameras.forEach((camera) => this.draw_image(camera));
     this.draw_map();
     this.strips.forEach((canvas, i) => canvas && this.draw_strip(canvas, this.data.series[i]));
     const counts = [0, 1, 2, 3].map((label) => this.frame.tracks.filter((t) => t[3] === label).length);
     document.getElementById("state").textContent = `frame ${this.frame.frame} of ${this.data.count - 1}, ${this.frame.time.toFixed(2)} s: measured ` +
-      counts.map((n, label) => `${n} ${NAMES[label]}`).join(", ") + (this.frame.frame > this.last ? "; the run has ended before" : "");
-    Object.assign(document.documentElement.dataset, {drawn: this.frame.frame, marks: counts.join(), image: String(Boolean(this.image()))});
+      counts.map((n, label) => `${n} ${NAMES[label]}`).join(", ") + this.frame.others.map((tracks, k) => `; by camera ${k + 1}: ${tracks.length}`).join("") + (this.frame.frame > this.last ? "; the run has ended before" : "");
+    Object.assign(document.documentElement.dataset, {drawn: this.frame.frame, marks: counts.join(), image: this.cameras.map((camera) => Boolean(this.image(camera))).join()});
   }
 
   show(at) {
