@@ -1,8 +1,8 @@
 #include "smoothers/solver/normal_equations.h"
 
 #include "estimation/estimator.h"
-#include "models/so3.h"
 #include "models/lapack.h"
+#include "models/so3.h"
 #include "smoothers/solver/camera_parts.h"
 
 namespace slammot {

@@ -46,37 +46,75 @@ Eigen::MatrixXd dense_H(const JointState& state, const Innovation& z) {
   return H;
 }
 
-TEST(Update, IsTheTextbookUpdate) {
+Eigen::VectorXd stacked(const std::vector<Eigen::Vector2d>& nu) {
+  return Eigen::Map<const Eigen::VectorXd>(nu.front().data(), 2 * std::ssize(nu));
+}
+
+double nis_of_leave_out(const Eigen::MatrixXd& S, const Eigen::VectorXd& nu, Eigen::Index first,
+                        Eigen::Index count) {
+  std::vector<Eigen::Index> own, others;
+  for (Eigen::Index k = 0; k < nu.size(); ++k) {
+    (k >= first && k < first + count ? own : others).push_back(k);
+  }
+  const Eigen::MatrixXd G = S(own, others) * S(others, others).inverse();
+  const Eigen::VectorXd left = nu(own) - G * nu(others);
+  const Eigen::MatrixXd C = S(own, own) - G * S(others, own);
+  return left.dot(C.llt().solve(left));
+}
+
+class Update : public testing::TestWithParam<int> {};  // cameras
+
+// With two cameras its rows are merged (merge_views.cpp), which changes nothing.
+TEST_P(Update, IsTheTextbookUpdate) {
   JointState state = scene(1);
-  auto matches = pixels_of(state, standard.point(), 1);
-  for (std::size_t i = 0; i < 4; ++i) {
-    matches[i].relative_sigma = 1.0 + 0.5 * static_cast<double>(i);
+  std::vector<Observation> matches;
+  const Eigen::AngleAxisd turned(0.05, Eigen::Vector3d::UnitY());
+  const std::vector<MountedCamera> others{
+      {pinhole(), Eigen::Quaterniond(turned), Eigen::Vector3d(0.3, 0.02, 0.01)}};
+  const Rig rig(pinhole(), GetParam() > 1 ? others : std::vector<MountedCamera>{});
+  for (const Observation& z : pixels_of(state, standard.point(), 1)) {
+    for (int camera = 0; camera < GetParam(); ++camera) {
+      if (camera == 1 && z.track == 2) continue;  // seen by one only
+      matches.push_back({z.track, z.pixel - camera * Eigen::Vector2d(10.0, -1.0), 1.0, camera});
+      matches.back().relative_sigma = 0.5 + 0.5 * static_cast<double>(matches.size());
+    }
   }
   Innovation z;
-  linearise(state, standard, pinhole(), matches, z);
+  linearise(state, standard, rig, matches, z);
   const int n = state.covariance.size();
   const Eigen::MatrixXd I = Eigen::MatrixXd::Identity(n, n);
   const Eigen::MatrixXd P = state.covariance.dense();
   const Eigen::MatrixXd H = dense_H(state, z);
   EXPECT_LT((*z.P_Ht - P * H.transpose()).norm(), 1e-12 * (*z.P_Ht).norm());
   constexpr double kPixelSigma = 1.2;
-  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(8, 8);
-  for (Eigen::Index i = 0; i < 8; ++i) {
-    const double sigma = kPixelSigma * (1.0 + 0.5 * static_cast<double>(i / 2));
-    R(i, i) = sigma * sigma;
+  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(z.rows(), z.rows());
+  for (Eigen::Index i = 0; i < z.rows(); ++i) {
+    R(i, i) = matches[static_cast<std::size_t>(i / 2)].variance(kPixelSigma);
   }
   const Eigen::MatrixXd S = H * P * H.transpose() + R;
   const Eigen::MatrixXd K = P * H.transpose() * S.inverse();
   Eigen::MatrixXd Joseph = (I - K * H) * P * (I - K * H).transpose() + K * R * K.transpose();
-  const Eigen::VectorXd dx = K * z.stacked_nu();
+  const Eigen::VectorXd nu = stacked(z.nu), dx = K * nu;
   Eigen::MatrixXd reset = I;
   reset.block<3, 3>(3, 3) = right_jacobian_so3(dx.segment<3>(3));
   Joseph = (reset * Joseph * reset.transpose()).eval();
   const CameraState expected = boxplus(state.camera, Vector12d(dx.head<12>()));
-  update(state, standard, pinhole(), kPixelSigma, 1, z);
+  update(state, standard, rig, kPixelSigma, 1, z);
   EXPECT_LT((state.covariance.dense() - Joseph).norm(), 1e-10 * Joseph.norm());
   EXPECT_LT(boxminus(state.camera, expected).norm(), 1e-12);
+  EXPECT_EQ((*z.P_Ht).cols(), GetParam() == 1 ? 8 : 3 * 3 + 2);
+  std::vector<LeaveOneOut> nis;
+  nis_given_others(z, nis);
+  ASSERT_EQ(nis.size(), 4);
+  Eigen::Index row = 0;
+  for (const LeaveOneOut& l : nis) {
+    const double expected_nis = nis_of_leave_out(S, nu, row, 2 * l.pixels);
+    EXPECT_NEAR(l.nis, expected_nis, 1e-8 * expected_nis) << l.track;
+    row += 2 * l.pixels;
+  }
 }
+
+INSTANTIATE_TEST_SUITE_P(Cameras, Update, testing::Values(1, 2));
 
 // Pictures show the S that the gate asks.
 TEST(SecondOrder, IsInTheCovarianceOfStaticLandmarksOnly) {
@@ -300,17 +338,6 @@ TEST(JointCovariance, HasTheProductsOfADenseMatrix) {
 
 // The same by its definition: the innovation of one measurement beside its prediction from the
 // others, over the covariance of that difference.
-double nis_of_leave_one_out(const Eigen::MatrixXd& S, const Eigen::VectorXd& nu, Eigen::Index i) {
-  std::vector<Eigen::Index> own{2 * i, 2 * i + 1}, others;
-  for (Eigen::Index k = 0; k < nu.size(); ++k) {
-    if (k / 2 != i) others.push_back(k);
-  }
-  const Eigen::MatrixXd G = S(own, others) * S(others, others).inverse();
-  const Eigen::Vector2d left = nu(own) - G * nu(others);
-  const Eigen::Matrix2d C = S(own, own) - G * S(others, own);
-  return left.dot(C.inverse() * left);
-}
-
 TEST(NisGivenOthers, IsThatOfTheInnovationBesideItsPredictionFromTheOthers) {
   std::mt19937_64 engine(5);
   std::normal_distribution<double> normal;
@@ -325,28 +352,27 @@ TEST(NisGivenOthers, IsThatOfTheInnovationBesideItsPredictionFromTheOthers) {
   solved.nu.resize(kMatches);
   solved.S.resize(kRows, kRows);
   *solved.S = L;
-  solved.stacked_nu() = L.triangularView<Eigen::Lower>().solve(nu);
   for (int i = 0; i < kMatches; ++i) solved.matches[static_cast<std::size_t>(i)].track = i;
+  const auto set_rows = [&](Innovation& z) {
+    fill_rows(z);
+    *z.r = L.triangularView<Eigen::Lower>().solve(nu);
+  };
+  set_rows(solved);
   Innovation of_rig = solved;
   std::vector<LeaveOneOut> nis;
   nis_given_others(solved, nis);
   ASSERT_EQ(nis.size(), kMatches);
   for (Eigen::Index i = 0; i < kMatches; ++i) {
-    const double expected = nis_of_leave_one_out(S, nu, i);
+    const double expected = nis_of_leave_out(S, nu, 2 * i, 2);
     EXPECT_NEAR(nis[static_cast<std::size_t>(i)].nis, expected, 1e-9 * expected);
     EXPECT_EQ(nis[static_cast<std::size_t>(i)].pixels, 1);
   }
   // The last two are of one landmark: what remains of them given the first five.
   of_rig.matches.back() = of_rig.matches[kMatches - 2];
+  set_rows(of_rig);
   nis_given_others(of_rig, nis);
   ASSERT_EQ(nis.size(), kMatches - 1);
-  const Eigen::Index others = kRows - 4;
-  const Eigen::MatrixXd gain =
-      S.bottomLeftCorner(4, others) *
-      S.topLeftCorner(others, others).llt().solve(Eigen::MatrixXd::Identity(others, others));
-  const Eigen::Vector4d rest = nu.tail(4) - gain * nu.head(others);
-  const Eigen::Matrix4d of_rest = S.bottomRightCorner(4, 4) - gain * S.topRightCorner(others, 4);
-  const double expected = rest.dot(of_rest.llt().solve(rest));
+  const double expected = nis_of_leave_out(S, nu, kRows - 4, 4);
   EXPECT_NEAR(nis.back().nis, expected, 1e-8 * expected);
   EXPECT_EQ(nis.back().pixels, 2);
 }
