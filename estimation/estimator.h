@@ -103,9 +103,12 @@ struct FrameReport {
   // Of the log of the world's scale, as the estimator holds it: where nothing metric enters, never
   // more than was stated. NaN: not stated, as of a filter or with landmarks known beforehand.
   double scale_information = kUndefined;
+  // Log of the factor by which the frame has changed the size of the world (scale_change.h). NaN:
+  // the scale is known, or it is not stated.
+  double scale_change = kUndefined;
   int negative_inverse_depth = 0;  // landmarks believed behind infinity (legal, counted)
-  std::vector<Prediction>
-      predictions;  // by track and camera; where asked for (Estimator::keep_predictions)
+  // By track and camera; where asked for (Estimator::keep_predictions).
+  std::vector<Prediction> predictions;
 };
 
 // The estimate is no longer a number, or its covariance no longer a covariance. The run ends, is

@@ -20,6 +20,7 @@ FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, std::unique
       manager_(setup, models, belief_->remembers_motions(), truth_for_view),
       noise_(setup.camera_noise, models.adaptive_motion && !truth_for_view) {
   if (truth_for_view) policy_.movers = Movers::kJoint;
+  if (!setup.knows_scale()) scale_change_.emplace(setup.initial.state.position);
 }
 
 FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
@@ -88,6 +89,10 @@ void FrameLoop::count_what_is_left(FrameReport& report) {
   report.state_size = belief_->state_size();
   report.scale_information = belief_->scale_information();
   belief_->points(points_);
+  if (scale_change_) {
+    report.scale_change =
+        (*scale_change_)(points_, manager_.records(), belief_->camera().state.position);
+  }
   report.negative_inverse_depth = static_cast<int>(std::ranges::count_if(
       points_, [&](const LandmarkPoint& p) { return point_.inverse_depth(p.y) < 0.0; }));
 }

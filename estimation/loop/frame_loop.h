@@ -12,6 +12,7 @@
 #include "estimation/gate.h"
 #include "estimation/loop/landmark_manager.h"
 #include "estimation/modules/camera_noise.h"
+#include "estimation/modules/scale_change.h"
 
 namespace slammot {
 
@@ -68,6 +69,7 @@ class FrameLoop final : public Estimator {
   std::unique_ptr<Belief> belief_;
   LandmarkManager manager_;
   AdaptiveCameraNoise noise_;
+  std::optional<ScaleChange> scale_change_;  // where nothing measures the scale
   std::optional<double> timestamp_;
   // How often mechanisms have acted.
   long widened_ = 0, considered_frames_ = 0, refused_by_others_ = 0;

@@ -49,8 +49,11 @@ Json run_json(const Sequence& sequence, const ComparedEntry& entry, const RunRes
   json["series"] = run_series(sequence, run, metrics.judged());
   json["frames"] = frames_json(sequence, run);
   json["smoothed_series"] = metrics.smoothed && !metrics.batch
-                                ? smoothed_series(sequence, run, *metrics.smoothed)
+                                ? path_series(sequence, run.smoothed, *metrics.smoothed)
                                 : Json();
+  if (metrics.last_scale) {
+    json["last_scale_series"] = path_series(sequence, run.last_scale, *metrics.last_scale);
+  }
   return json;
 }
 

@@ -39,8 +39,10 @@ void add_alignment(const Sequence& sequence, const std::vector<CameraEstimate>& 
   }
 }
 
-Json trajectory_series(const Sequence& sequence, const std::vector<CameraEstimate>& estimates,
-                       const TrajectoryMetrics& metrics) {
+}  // namespace
+
+Json path_series(const Sequence& sequence, const std::vector<CameraEstimate>& estimates,
+                 const TrajectoryMetrics& metrics) {
   std::map<double, PosePair> pairs;
   for (const PosePair& pair : pair_with_truth(sequence, estimates)) {
     pairs.emplace(pair.estimate.timestamp, pair);
@@ -72,15 +74,8 @@ Json trajectory_series(const Sequence& sequence, const std::vector<CameraEstimat
   return json;
 }
 
-}  // namespace
-
-Json smoothed_series(const Sequence& sequence, const RunResult& run,
-                     const TrajectoryMetrics& metrics) {
-  return trajectory_series(sequence, run.smoothed, metrics);
-}
-
 Json run_series(const Sequence& sequence, const RunResult& run, const TrajectoryMetrics& metrics) {
-  Json json = trajectory_series(sequence, run.judged(), metrics);
+  Json json = path_series(sequence, run.judged(), metrics);
   std::map<int, double> total_ms;
   for (const StageTime& time : run.timing) {
     if (time.stage == "total") total_ms[time.frame] = time.milliseconds;

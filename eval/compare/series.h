@@ -12,8 +12,10 @@ namespace slammot {
 // Of the trajectory that the run is judged by.
 nlohmann::ordered_json run_series(const Sequence& sequence, const RunResult& run,
                                   const TrajectoryMetrics& metrics);
-nlohmann::ordered_json smoothed_series(const Sequence& sequence, const RunResult& run,
-                                       const TrajectoryMetrics& metrics);
+// Of another one of the run.
+nlohmann::ordered_json path_series(const Sequence& sequence,
+                                   const std::vector<CameraEstimate>& estimates,
+                                   const TrajectoryMetrics& metrics);
 nlohmann::ordered_json truth_json(const Sequence& sequence);
 
 }  // namespace slammot

@@ -19,12 +19,14 @@ struct TrajectoryMetrics;
 struct FinishedRun {
   const Sequence& sequence;
   const RunResult& run;
-  const RunMetrics& metrics;            // what is computed once: accuracy, consistency, counts
-  const TrajectoryMetrics& trajectory;  // the filtered one, or the smoothed one
+  const RunMetrics& metrics;  // what is computed once: accuracy, consistency, counts
+  const TrajectoryMetrics&
+      trajectory;  // the filtered one, that in the last scale, the smoothed one
   const std::vector<CameraEstimate>& estimates;  // of that trajectory
 };
 
-// A metric of a trajectory stands under `filtered` and, of an estimator that smooths, `smoothed`.
+// A metric of a trajectory stands under `filtered`, of an estimator that smooths under `smoothed`,
+// and where the scale is not known under `last_scale`.
 enum class Scope { kRun, kTrajectory };
 
 enum class Better { kSmaller, kLarger, kNearExpected, kNeither };

@@ -66,6 +66,17 @@ std::map<int, TrajectoryMetrics> by_lag(const Sequence& sequence, const RunResul
   return metrics;
 }
 
+void judge_trajectories(const Sequence& sequence, const RunResult& run, RunMetrics& metrics) {
+  metrics.filtered = trajectory_metrics(sequence, run, run.filtered);
+  if (run.batch || !run.smoothed.empty()) {
+    metrics.smoothed = trajectory_metrics(sequence, run, run.smoothed);
+  }
+  if (!run.last_scale.empty()) {
+    metrics.last_scale = trajectory_metrics(sequence, run, run.last_scale);
+  }
+  if (!run.batch) metrics.lagged = by_lag(sequence, run);  // of a batch: its front window's
+}
+
 void judge_landmarks(const Sequence& sequence, const RunResult& run, RunMetrics& metrics) {
   metrics.landmark_errors.reason = metrics.landmark_consistency.reason = "no true landmarks";
   if (sequence.landmarks.empty()) return;
@@ -110,6 +121,10 @@ void evaluate_table(const MetricTable& table, const Sequence& sequence, const Ru
     const FinishedRun smoothed{sequence, run, metrics, *metrics.smoothed, run.smoothed};
     metrics.smoothed->values = values_of(table, Scope::kTrajectory, smoothed);
   }
+  if (metrics.last_scale) {
+    const FinishedRun shape{sequence, run, metrics, *metrics.last_scale, run.last_scale};
+    metrics.last_scale->values = values_of(table, Scope::kTrajectory, shape);
+  }
   metrics.values = values_of(table, Scope::kRun, filtered);
 }
 
@@ -134,12 +149,8 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
   metrics.warnings = run.warnings;
   metrics.in_force = run.in_force;
   metrics.alignment = run.alignment;
-  metrics.filtered = trajectory_metrics(sequence, run, run.filtered);
   metrics.batch = run.batch;
-  if (run.batch || !run.smoothed.empty()) {
-    metrics.smoothed = trajectory_metrics(sequence, run, run.smoothed);
-  }
-  if (!run.batch) metrics.lagged = by_lag(sequence, run);  // of a batch: its front window's
+  judge_trajectories(sequence, run, metrics);
   const std::vector<PosePair> judged = pair_with_truth(sequence, run.judged());
   metrics.failed = failed_at(judged, !sequence.exact_truth);
   if (!metrics.failed && !run.diverged && !judged.empty()) {

@@ -59,9 +59,10 @@ struct RunMetrics {
   std::optional<RunAlignment> alignment;
   std::optional<int> failed;  // the first frame that failed, see failed_at()
   TrajectoryMetrics filtered;
-  std::optional<TrajectoryMetrics> smoothed;  // of an estimator that smooths
-  bool batch = false;                         // see RunResult
-  std::map<int, TrajectoryMetrics> lagged;    // by lag, of one that keeps past poses
+  std::optional<TrajectoryMetrics> smoothed;    // of an estimator that smooths
+  std::optional<TrajectoryMetrics> last_scale;  // where the scale is not known, see RunResult
+  bool batch = false;                           // see RunResult
+  std::map<int, TrajectoryMetrics> lagged;      // by lag, of one that keeps past poses
   Known<LandmarkErrors> landmark_errors;
   Known<LandmarkConsistency> landmark_consistency;
   ClassificationMetrics classification;

@@ -227,6 +227,7 @@ Json metrics_json(const RunMetrics& m) {
   json["failed_at"] = m.failed ? Json(*m.failed) : Json();
   json["filtered"] = trajectory_json(m.filtered);
   json["smoothed"] = m.smoothed ? trajectory_json(*m.smoothed) : Json();
+  if (m.last_scale) json["last_scale"] = trajectory_json(*m.last_scale);
   put_values(json, m.values);
   put_reason(json, "landmark_errors", m.landmark_errors);
   put_reason(json, "landmark_nees", m.landmark_consistency);

@@ -83,22 +83,26 @@ std::string at_frame(const std::optional<int>& frame) {
   return frame ? fmt::format("frame {}", *frame) : "no";
 }
 
-// A smoother's own trajectory is a row of its own below the filtered one; a batch has no other.
+// What a run has beside the trajectory that it is judged by is a row of its own below it.
 std::vector<TextRow> trajectory_rows(const Names& names, const std::vector<NamedMetrics>& results) {
   std::vector<TextRow> rows = {names.front()};
   add_headings(rows[0], results[0].metrics.filtered.values, results);
   for (const char* name : {"failed", "diverged"}) rows[0].emplace_back(name);
+  const auto add_below = [&](const char* name, std::size_t left, const TrajectoryMetrics& other) {
+    TextRow& row = rows.emplace_back(left);
+    row.front() = name;
+    add_numbers(row, other.values);
+    row.resize(rows.front().size());
+  };
   for (std::size_t i = 0; i < results.size(); ++i) {
     const RunMetrics& m = results[i].metrics;
     TextRow& row = rows.emplace_back(names[i + 1]);
     add_numbers(row, m.judged().values);
     row.push_back(m.judged().accuracy.value ? at_frame(m.failed) : "-");
     row.push_back(at_frame(m.diverged ? std::optional(m.diverged->frame) : std::nullopt));
-    if (!m.smoothed || m.batch) continue;
-    TextRow& smoothed = rows.emplace_back(names[i + 1].size());
-    smoothed.front() = "  smoothed";
-    add_numbers(smoothed, m.smoothed->values);
-    smoothed.resize(rows.front().size());
+    const std::size_t left = names[i + 1].size();
+    if (m.last_scale) add_below("  in the last scale", left, *m.last_scale);
+    if (m.smoothed && !m.batch) add_below("  smoothed", left, *m.smoothed);
   }
   return rows;
 }

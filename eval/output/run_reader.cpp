@@ -273,6 +273,9 @@ StoredRun read_run(const Path& folder) {
     run.smoothed = read_tum(folder / run_files::kTrajectorySmoothed);
     read_covariances(folder / run_files::kPoseCovarianceSmoothed, stored.own, run.smoothed);
   }
+  if (stored.own && is_there(folder / run_files::kTrajectoryLastScale)) {
+    run.last_scale = read_tum(folder / run_files::kTrajectoryLastScale);
+  }
   run.frames.resize(run.filtered.size(), -1);  // a trajectory knows times, not frame numbers
   run.frames_offered = static_cast<int>(run.filtered.size());
   run.landmarks = read_landmarks(folder / run_files::kLandmarks);

@@ -197,6 +197,12 @@ void add_results(OutputFiles& files, const Path& folder, const RunResult& run,
     write(run_files::kPoseCovarianceSmoothed,
           [&](Out out) { write_covariances(out, run.smoothed); });
   }
+  if (run.last_scale.empty()) {
+    files.leave_out(folder / run_files::kTrajectoryLastScale);
+  } else {
+    write(run_files::kTrajectoryLastScale,
+          [&](Out out) { write_trajectory(out, run.last_scale, "in the last scale"); });
+  }
   const auto& landmarks = run.every_frame.empty() ? run.landmarks : run.every_frame;
   write(run_files::kLandmarks, [&](Out out) { write_landmarks(out, landmarks); });
   if (run.predictions.empty()) {

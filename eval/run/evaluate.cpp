@@ -80,8 +80,8 @@ double place_in_time(const Sequence& sequence, const TimeMatching& times, RunRes
   PlacedEstimates placed = at_frames(run.filtered, sequence.frames, times);
   run.filtered = std::move(placed.estimates);
   run.frames = std::move(placed.frames);
-  if (!run.smoothed.empty()) {
-    run.smoothed = at_frames(run.smoothed, sequence.frames, times).estimates;
+  for (auto* path : {&run.smoothed, &run.last_scale}) {
+    if (!path->empty()) *path = at_frames(*path, sequence.frames, times).estimates;
   }
   return placed.median_difference;
 }

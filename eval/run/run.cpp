@@ -5,6 +5,7 @@
 #include "eval/configuration/registry.h"
 #include "eval/configuration/setup.h"
 #include "eval/run/landmark_history.h"
+#include "eval/run/last_scale.h"
 #include "eval/run/ray_spread.h"
 #include "eval/run/self_check.h"
 #include "eval/run/stage_clock.h"
@@ -104,6 +105,7 @@ void drive_frame(const Sequence& sequence, const Frame& frame, Estimator& estima
   add_lagged(estimator, result);
   result.counts.push_back(counts_of(report));
   add_scale(report.scale_information, result);
+  result.scale_changes.push_back(report.scale_change);
   add_to(result.totals, result.counts.back());
   for (const Prediction& prediction : report.predictions) {
     result.predictions.push_back({frame.index, prediction});
@@ -151,6 +153,8 @@ RunResult drive(const Sequence& sequence, Estimator& estimator, const DriveOptio
   } catch (const Diverged& diverged) {
     result.diverged = {frame_index, diverged.what()};
   }
+  // A batch is judged by what it solves at once, in one scale.
+  if (!options.batch) result.last_scale = in_last_scale(result.filtered, result.scale_changes);
   result.in_force = estimator.in_force();
   result.landmarks = history.latest();
   result.classification = history.classification();

@@ -185,6 +185,9 @@ Json result_json(const Study& study, std::uint64_t seed, const Sequence& sequenc
   json["filtered"] = values_json(metrics.filtered.values, depends_on_the_seed);
   json["smoothed"] =
       metrics.smoothed ? values_json(metrics.smoothed->values, depends_on_the_seed) : Json();
+  if (metrics.last_scale) {
+    json["last_scale"] = values_json(metrics.last_scale->values, depends_on_the_seed);
+  }
   json.update(values_json(metrics.values, depends_on_the_seed));
   json["static"] = counts(metrics.classification.statics);
   json["moving"] = counts(metrics.classification.movings);

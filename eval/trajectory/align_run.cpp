@@ -120,7 +120,7 @@ void align_run(const Sequence& sequence, AlignBy by, RunResult& run) {
   done.rotation = S.rotation;
   done.translation = S.translation;
   describe(pairs, by, done);
-  for (auto* cameras : {&run.filtered, &run.smoothed}) {
+  for (auto* cameras : {&run.filtered, &run.smoothed, &run.last_scale}) {
     for (CameraEstimate& camera : *cameras) move(S, camera);
   }
   for (LandmarkRecord& landmark : run.landmarks) move(S, landmark.estimate);

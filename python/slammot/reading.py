@@ -74,6 +74,7 @@ class Run:
     covariance: np.ndarray = None
     smoothed: pandas.DataFrame = None
     smoothed_covariance: np.ndarray = None
+    last_scale: pandas.DataFrame = None  # the shape of `trajectory` in the scale of its end
     landmarks: pandas.DataFrame = None
     predictions: pandas.DataFrame = None
     classification: pandas.DataFrame = None
@@ -94,7 +95,8 @@ def read_run(folder):
     return Run(folder=pathlib.Path(folder), description=_yaml(_file(folder, "run.yaml", required=False)),
                trajectory=trajectory, covariance=covariances("pose_covariance.csv"),
                smoothed=_trajectory(_file(folder, "trajectory_smoothed.tum", required=False)),
-               smoothed_covariance=covariances("pose_covariance_smoothed.csv"), landmarks=optional("landmarks.csv"),
+               smoothed_covariance=covariances("pose_covariance_smoothed.csv"),
+               last_scale=_trajectory(_file(folder, "trajectory_last_scale.tum", required=False)), landmarks=optional("landmarks.csv"),
                predictions=optional("predictions.csv"),
                classification=optional("classification.csv"), timing=optional("timing.csv"),
                metrics=json.loads(_text(metrics)) if metrics else {})

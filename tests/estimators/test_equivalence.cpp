@@ -43,6 +43,10 @@ void expect_same(const FrameReport& a, const FrameReport& b, double rounding = 1
   ASSERT_EQ(a.negative_inverse_depth, b.negative_inverse_depth);
   ASSERT_NEAR(a.nis_sum, b.nis_sum, bar(1e-9) * (1.0 + a.nis_sum));
   ASSERT_NEAR(a.joint_nis, b.joint_nis, bar(1e-8) * (1.0 + a.joint_nis));
+  ASSERT_EQ(std::isnan(a.scale_change), std::isnan(b.scale_change));
+  if (!std::isnan(a.scale_change)) {
+    ASSERT_NEAR(a.scale_change, b.scale_change, bar(1e-9));
+  }
   ASSERT_EQ(a.predictions.size(), b.predictions.size());
   for (std::size_t i = 0; i < a.predictions.size(); ++i) {
     const Prediction &p = a.predictions[i], &q = b.predictions[i];
@@ -219,6 +223,7 @@ std::optional<Sequence> sequence_of(const std::string& name) {
         name == "stereo" ? std::pair("stereo", "0.3") : std::pair("depth_sigma", "0.1");
     return simulate("circle", {{"frames", kFrames}, {"known", "0"}, rig}, 3);
   }
+  if (name == "nothing_known") return simulate("circle", {{"frames", kFrames}, {"known", "0"}}, 3);
   if (name != "recording") return simulate(name, {{"frames", kFrames}}, 3);
   const std::filesystem::path drive =
       std::filesystem::path(test::kSharedData) / "kitti_klt" / "2011_09_26_drive_0001";
@@ -249,11 +254,13 @@ TEST_P(OneFrameAtTheDefaults, AndOneStepIsTheEkf) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Sequences, OneFrameAtTheDefaults,
-    testing::Combine(testing::Values("circle", "square", "recording", "stereo", "depths"),
-                     testing::ValuesIn(names_of(landmark_list()))),
-    [](const auto& tested) { return std::get<0>(tested.param) + "_" + std::get<1>(tested.param); });
+INSTANTIATE_TEST_SUITE_P(Sequences, OneFrameAtTheDefaults,
+                         testing::Combine(testing::Values("circle", "square", "recording", "stereo",
+                                                          "depths", "nothing_known"),
+                                          testing::ValuesIn(names_of(landmark_list()))),
+                         [](const auto& tested) {
+                           return std::get<0>(tested.param) + "_" + std::get<1>(tested.param);
+                         });
 
 TEST(ManySteps, MakeItTheIteratedEkf) {
   const Sequence sequence = simulate("circle", {{"frames", "40"}}, 3);

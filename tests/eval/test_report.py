@@ -384,6 +384,19 @@ class Report(unittest.TestCase):
         self.assertIn("0f" * 32, text)
         self.assert_drawn(["trajectory", "position_error", "axis_errors", "error_path", "nees", "runtime"])
 
+    def test_where_nothing_measures_the_scale_the_shape_in_the_last_one_is_beside(self):
+        self.assertNotIn("last scale", self.text_of_report())
+        run = self.comparison["runs"][0]
+        run["metrics"]["last_scale"] = copy.deepcopy(run["metrics"]["filtered"])
+        run["metrics"]["last_scale"]["accuracy"]["ate_sim3_m"] = 0.0123
+        run["last_scale_series"] = copy.deepcopy(run["series"])
+        text = self.text_of_report(run_files=False)
+        self.assertRegex(text, r"in the last scale [0-9. –]*0\.012")
+        self.assertIn("Nothing measures the scale", text)
+        for chart in ("trajectory", "position_error"):
+            line, = (t for t in self.charts()[chart]["data"] if "last scale" in t["name"])
+            self.assertEqual((line["name"], line["visible"]), ("ekf · dynamic_inverse_depth, in the last scale", "legendonly"))
+
     def test_without_truth_and_without_run_files(self):
         without_truth(self.comparison)
         text = self.text_of_report(run_files=False)

@@ -47,6 +47,63 @@ TEST(Drive, CollectsFramesAndTimes) {
   EXPECT_FALSE(run.diverged);
 }
 
+// A winding path of 20 poses from (1, 2, 3) on.
+Sequence winding() {
+  Sequence sequence = test::straight_line(20);
+  for (std::size_t i = 0; i < sequence.truth.size(); ++i) {
+    const double a = 0.3 * static_cast<double>(i);
+    sequence.truth[i]->position =
+        Eigen::Vector3d(1, 2, 3) + a * Eigen::Vector3d(std::cos(a), 0.1 * a, std::sin(a));
+  }
+  return sequence;
+}
+
+// The true path, each pose in the scale that is believed then: frame k makes the world e^changes[k]
+// as large.
+RunResult in_changing_scale(const Sequence& sequence, const std::vector<double>& changes,
+                            bool batch = false) {
+  DriveOptions options;
+  options.batch = batch;
+  double log_scale = 0.0;
+  return driven(
+      sequence,
+      [&](int i, test::Belief& belief) {
+        belief.report.scale_change = changes.at(static_cast<std::size_t>(i));
+        log_scale += belief.report.scale_change;
+        Eigen::Vector3d& r = belief.camera.state.position;
+        const Eigen::Vector3d origin = sequence.truth[0]->position;
+        r = origin + std::exp(log_scale) * (r - origin);
+      },
+      options);
+}
+
+TEST(LastScale, AChangeLeavesTheShapeUndisturbed) {
+  const Sequence sequence = winding();
+  for (const std::size_t k : {1u, 7u, 19u}) {
+    std::vector<double> changes(20, 0.0);
+    changes[k] = 0.4;
+    changes[4] = -0.1;
+    const RunResult run = in_changing_scale(sequence, changes);
+    const RunMetrics metrics = compute_metrics(sequence, run, 0.95);
+    ASSERT_TRUE(metrics.last_scale);
+    EXPECT_GT(metrics.filtered.accuracy.value->ate_sim3, 1e-3);
+    EXPECT_LT(metrics.last_scale->accuracy.value->ate_sim3, 1e-12);
+    EXPECT_NEAR(metrics.last_scale->accuracy.value->scale, std::exp(0.1 - 0.4), 1e-12);
+    EXPECT_EQ(run.last_scale.back().state.position, run.filtered.back().state.position);
+    EXPECT_TRUE(run.last_scale.back().covariance.array().isNaN().all());
+  }
+}
+
+TEST(LastScale, IsNotThereWhereTheScaleIsKnown) {
+  const Sequence sequence = winding();
+  const RunResult known = driven(sequence);  // states no change
+  EXPECT_TRUE(known.last_scale.empty());
+  const RunMetrics metrics = compute_metrics(sequence, known, 0.95);
+  EXPECT_FALSE(metrics.last_scale);
+  EXPECT_FALSE(metrics_json(metrics).contains("last_scale"));
+  EXPECT_TRUE(in_changing_scale(sequence, std::vector(20, 0.0), true).last_scale.empty());
+}
+
 // What is noted for pictures is a stage of its own.
 TEST(StageClock, TheWholeIsWithoutIt) {
   using Clock = std::chrono::steady_clock;

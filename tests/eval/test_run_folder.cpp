@@ -86,6 +86,23 @@ TEST_F(RunFolder, ReadsBackToTheSameMetrics) {
   EXPECT_NEAR(again.nis.mean, metrics.nis.mean, 1e-15);
 }
 
+TEST_F(RunFolder, HasTheShapeInTheLastScale) {
+  drive_over(5);
+  run_.last_scale = run_.filtered;
+  for (CameraEstimate& camera : run_.last_scale) camera.state.position *= 1.0 / 3.0;
+  write();
+  const auto read = read_run(path()).run.last_scale;
+  ASSERT_EQ(read.size(), 5u);
+  EXPECT_EQ(read[3].state.position, run_.last_scale[3].state.position);
+  EXPECT_TRUE(read[3].covariance.array().isNaN().all());
+  EXPECT_THAT(text("metrics.json"), testing::HasSubstr("\"last_scale\""));
+  run_.last_scale.clear();  // of a run that knows the scale, in the same folder
+  write();
+  EXPECT_TRUE(read_run(path()).run.last_scale.empty());
+  EXPECT_FALSE(std::filesystem::exists(path() / "trajectory_last_scale.tum"));
+  EXPECT_THAT(text("metrics.json"), testing::Not(testing::HasSubstr("last_scale")));
+}
+
 TEST_F(RunFolder, RunYamlReproducesTheConfiguration) {
   drive_over(2);
   Configuration configuration;

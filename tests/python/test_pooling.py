@@ -1,5 +1,6 @@
 """What the runs of a study and of a comparison say together, on made-up runs whose answers are known."""
 import copy
+import csv
 import json
 import math
 import pathlib
@@ -117,6 +118,16 @@ class Study(unittest.TestCase):
         self.assertEqual(len(lines), 1 + 3 * RUNS)
         self.assertTrue(lines[0].startswith("scenario,group,estimator,label,k,seed,diverged,diverged_frame,failed,failed_frame,filtered_position_rmse_m"))
         self.assertTrue(lines[RUNS + 7].startswith("made,g,ekf,overconfident,1,7,1,100,0,,"))
+
+    def test_where_the_scale_is_not_known_a_cell_has_the_shape_in_the_last_one(self):
+        runs = [{**run, "last_scale": {"position_rmse_m": 0.5}} if run["cell"] == 1 else run for run in self.runs]
+        group, table = summarised(runs, self.timing)
+        self.assertEqual([cell.get("last_scale_position_rmse_m", {}).get("value") for cell in group["cells"]], [None, 0.5, None])
+        rows = list(csv.DictReader(table.splitlines()))
+        self.assertEqual([row["last_scale_position_rmse_m"] for row in rows[::RUNS]], ["", "0.5", ""])
+        column = list(rows[0]).index("last_scale_position_rmse_m")
+        others = [",".join(list(row.values())[:column] + list(row.values())[column + 1:]) for row in rows]
+        self.assertEqual(others, self.table.splitlines()[1:])
 
     def test_what_is_no_line_of_a_run_is_refused(self):
         run = self.runs[0]

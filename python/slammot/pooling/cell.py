@@ -23,6 +23,11 @@ def pooled(metric: dict, samples: list[float]) -> intervals.Estimate:
     return intervals.mean(samples, positive=all(x > 0.0 for x in samples))
 
 
+def trajectories_of(run: dict) -> tuple[str, ...]:
+    """Those that a run is judged by or has beside them; one in the last scale only where the scale is not known."""
+    return ("filtered", "smoothed") + (("last_scale",) if "last_scale" in run else ())
+
+
 def warnings_of(run: dict) -> list[dict]:
     found = run.get("warnings", [])
     for warning in found:
@@ -130,7 +135,7 @@ class Cell:
             return  # a batch that was not solved
         error = number(run[self.judged].get("ate_sim3_m" if self.aligned else "position_rmse_m"))
         self.error[seed] = error
-        for which in ("filtered", "smoothed"):
+        for which in trajectories_of(run):
             self._add_values("trajectory", run[which], f"{which}_", None)
 
     def _add_values(self, scope: str, values: dict | None, prefix: str, diverged: dict | None) -> None:

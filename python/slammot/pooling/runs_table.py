@@ -6,6 +6,7 @@ import io
 import json
 import math
 
+from .cell import trajectories_of
 from .json_files import nees_numbers
 
 PARTS = ("nees_pose", "nees_position", "nees_rotation")
@@ -27,8 +28,7 @@ class RunsTable:
         self.cells = [(group, cell) for group in plan["groups"] for cell in group["cells"]]
         self.swept = list(self.cells[0][0]["sweep"]) if cells else []
         self.metrics = [m for m in plan["metrics"] if m["pooled"] != "not"]
-        self.file = io.StringIO()
-        self.writer = None
+        self.rows = []
 
     def add(self, result: dict, timing: dict) -> None:
         group, cell = self.cells[result["cell"]]
@@ -38,13 +38,10 @@ class RunsTable:
         row |= {"seed": result["seed"], "diverged": diverged is not None, "diverged_frame": (diverged or {}).get("frame"),
                 "failed": lost is not None, "failed_frame": lost}
         row |= self._metrics(result, timing) | _nees(result) | _labels(result) | {"seconds": timing.get("seconds")}
-        if self.writer is None:
-            self.writer = csv.writer(self.file, lineterminator="\n")
-            self.writer.writerow(row)
-        self.writer.writerow(map(text, row.values()))
+        self.rows.append({key: text(value) for key, value in row.items()})
 
     def _metrics(self, result: dict, timing: dict) -> dict:
-        row = {}
+        row, trajectories = {}, trajectories_of(result)
         for metric in self.metrics:
             key = metric["key"]
             if metric["pooled"] == "timing":
@@ -52,11 +49,17 @@ class RunsTable:
             elif metric["of"] == "run":
                 row[key] = result.get(key)
             else:
-                row |= {f"{which}_{key}": (result.get(which) or {}).get(key) for which in ("filtered", "smoothed")}
+                row |= {f"{which}_{key}": (result.get(which) or {}).get(key) for which in trajectories}
         return row
 
     def csv(self) -> str:
-        return self.file.getvalue()
+        """Runs have a trajectory in the last scale or not; the columns are those of all."""
+        file = io.StringIO()
+        if self.rows:
+            writer = csv.DictWriter(file, max(self.rows, key=len), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(self.rows)
+        return file.getvalue()
 
 
 def _nees(result: dict) -> dict:

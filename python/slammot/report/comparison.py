@@ -41,6 +41,7 @@ class Run:
     table: dict   # key to metrics.Metric
     series: dict
     smoothed_series: dict
+    last_scale_series: dict  # empty where the scale is known
     configuration: dict
     variances: dict = field(default_factory=dict)       # timestamp: the diagonal of P, position [m^2] and rotation [rad^2]
     landmarks: list = field(default_factory=list)       # final: (track, label, x, y, z)
@@ -54,6 +55,11 @@ class Run:
     def judged(self):
         """A batch is judged by what it is for: its filtered trajectory is its front window's."""
         return "smoothed" if self.kind == "batch" else "filtered"
+
+    @property
+    def others(self):
+        """Name, series and line of the trajectories that it has beside the one it is judged by."""
+        return [("in the last scale", self.last_scale_series, "dashdot"), ("smoothed", self.smoothed_series, "dash")]
 
     def value(self, key, which=None):
         """The value of a metric of the table, None where it is not defined."""
@@ -275,6 +281,7 @@ def read_run(output, entry, table, name, colour, sequence):
         truth_is_here=not several or all(own.get(key) == sequence.get(key) for key in ("name", "sha256") if key in own), pooled=entry.get("pooled", ""), kind=entry.get("kind", ""), landmark=entry["landmark"],
         colour=colour, metrics=entry.get("metrics") or {}, table=table, series=series,
         smoothed_series=in_frame_of_truth(entry.get("smoothed_series") or {}),
+        last_scale_series=in_frame_of_truth(entry.get("last_scale_series") or {}),
         configuration=entry.get("configuration") or {},
         # What is stated of the position is not about the aligned one.
         variances={} if "alignment" in series else read_variances(folder / covariance),

@@ -113,9 +113,8 @@ def trajectory(comparison):
         traces.append(path_above("truth", truth, "#000000", width=3.2))
     for run in runs:
         traces.append(path_above(run.name, run.series.get("position", []), run.colour))
-        if run.smoothed_series.get("position"):
-            traces.append(path_above(f"{run.name}, smoothed", run.smoothed_series["position"],
-                                     run.colour, dash="dash", visible="legendonly"))
+        traces += [path_above(f"{run.name}, {name}", series["position"], run.colour, dash=dash, visible="legendonly")
+                   for name, series, dash in run.others if series.get("position")]
     framed = truth + [p for run in sound(runs) for p in run.series.get("position", [])]
     if not framed:
         return None
@@ -195,11 +194,8 @@ def position_error(comparison):
         if clean(two_sigma(run)):
             traces.append(line(f"{run.name}: 2σ", times, two_sigma(run), run.colour, dash="dot",
                                width=1.3, legendgroup=run.label, showlegend=False))
-        smoothed = run.smoothed_series
-        if clean(smoothed.get("position_error_m", [])):
-            traces.append(line(f"{run.name}, smoothed", seconds(smoothed, start),
-                               smoothed["position_error_m"], run.colour, dash="dash",
-                               visible="legendonly"))
+        traces += [line(f"{run.name}, {name}", seconds(series, start), series["position_error_m"], run.colour, dash=dash, visible="legendonly")
+                   for name, series, dash in run.others if clean(series.get("position_error_m", []))]
     if not traces:
         return None
     return {"data": traces, "layout": layout(

@@ -202,7 +202,16 @@ def frame_ms(cell):
     return cell.get("timing", {}).get("frame_median_ms")
 
 
-def summary_cells(cell):
+LAST_SCALE = "ATE Sim(3), last scale [m]"
+IN_LAST_SCALE = "Where nothing measures the scale, the ATE before the last scale's is of poses as they were when newest, each in the scale believed then; in the last scale they all are in that of the end. "
+
+
+def has_last_scale(group):
+    """Whether nothing measures its scale, so that the shape counts."""
+    return any("last_scale_ate_sim3_m" in cell for cell in group["cells"])
+
+
+def summary_cells(group, cell):
     """Head to (text, class)."""
     if is_ideal(cell):
         return {"runs": (str(cell["runs"]), ""), "diverged": (str(len(cell["diverged"])), ""), "position RMSE [m]": (number(ideal_sigma(cell)), "")}
@@ -218,7 +227,8 @@ def summary_cells(cell):
         "diverged": (str(len(cell["diverged"])), "over" if cell["diverged"] else ""),
         "warned": (share(cell.get("warned")), ""),
         "failed, not warned": (share(silent), "over" if silent and silent["value"] else ""),
-        "ATE Sim(3) [m]": (with_interval(cell.get(f"{which}_ate_sim3_m")) if aligned else "–", ""),
+        "ATE Sim(3) [m]": (with_interval(cell.get(f"{which}_ate_sim3_m")) if aligned or has_last_scale(group) else "–", ""),
+        LAST_SCALE: (with_interval(cell.get("last_scale_ate_sim3_m")), ""),
         "scale": (with_interval(cell.get(f"{which}_sim3_scale")) if aligned else "–", ""),
         "position RMSE [m]": (with_interval(cell.get(f"{which}_position_rmse_m")), ""),
         "ANEES pose (6)": (anees_text(pose), anees_class(pose)),
@@ -231,7 +241,7 @@ def summary_cells(cell):
 
 
 def summary_table(summary):
-    cells = [(group["name"], cell["label"], summary_cells(cell)) for group, cell in cells_of(summary)]
+    cells = [(group["name"], cell["label"], summary_cells(group, cell)) for group, cell in cells_of(summary)]
     heads = [head for head in dict.fromkeys(head for _, _, of_cell in cells for head in of_cell)
              if any(of_cell.get(head, ("–",))[0] != "–" for _, _, of_cell in cells)]
     order = [h for h in ORDER if h in heads]
@@ -245,11 +255,12 @@ def summary_table(summary):
         f"{failure_bound(False)} (where the truth is measured: {failure_bound(True)}), has diverged when its state is no longer finite, and warns where its own numbers "
         "speak against it, without any truth. RMSE is over the runs that did not diverge; of a batch, values are smoothed ones. RMSE over ideal sigma: ratio to the standard deviation of the ideal covariance, that of an EKF "
         "linearised at the truth, with known labels, the fixed depth prior and no gate; its row gives it. It is no bound. Joint NIS: of all accepted measurements of "
-        "a frame together, a measurement; 2 is right with an open gate. Other numbers: table Metrics.",
+        "a frame together, a measurement; 2 is right with an open gate. "
+        f"{IN_LAST_SCALE if LAST_SCALE in order else ''}Other numbers: table Metrics.",
         ["scenario", "estimator"] + order, rows, classes)
 
 
-ORDER = ("runs", "failed", "diverged", "warned", "failed, not warned", "ATE Sim(3) [m]", "scale", "position RMSE [m]", "ANEES pose (6)", "frames inside",
+ORDER = ("runs", "failed", "diverged", "warned", "failed, not warned", "ATE Sim(3) [m]", LAST_SCALE, "scale", "position RMSE [m]", "ANEES pose (6)", "frames inside",
          "ANEES position (3)", "joint NIS (2)", "RMSE over ideal sigma", "the same, median run", "time per frame [ms]")
 
 NAMED = 3  # runs
@@ -392,15 +403,18 @@ def at_a_time(summary):
     return f", made {jobs} at a time" if jobs > 1 else ""
 
 
+TRAJECTORIES = {"filtered_": "", "last_scale_": "in the last scale: ", "smoothed_": "smoothed: "}
+
+
 def metrics_table(summary):
     """A column for each metric that is pooled over runs and defined in some cell; the lags have a table of their own."""
     pooled = [m for m in metrics.read_table(summary["metrics"]).values() if m.pooled != "not" and not lags.is_of_lag(m.key)]
-    columns = [(m, which) for m in pooled for which in (("filtered_", "smoothed_") if m.of == "trajectory" else ("",))]
+    columns = [(m, which) for m in pooled for which in (TRAJECTORIES if m.of == "trajectory" else ("",))]
     cells = [(group, cell) for group, cell in estimators_of(summary) if "anees" in cell]
     columns = [(m, which) for m, which in columns
                if any(metric_cell(m, cell, which) != metrics.UNDEFINED for _, cell in cells)]
     rows = [[group["name"], cell["label"]] + [metric_cell(m, cell, which) for m, which in columns] for group, cell in cells]
-    names = [metrics.heading(m) if which != "smoothed_" else f"smoothed: {metrics.heading(m)}" for m, which in columns]
+    names = [TRAJECTORIES.get(which, "") + metrics.heading(m) for m, which in columns]
     explained = " ".join(f"{m.name[:1].upper()}{m.name[1:]}: {m.caption}." for m in dict.fromkeys(m for m, _ in columns))
     return Table(
         "Metrics",

@@ -72,8 +72,11 @@ def is_infinite(run, metric):
     return counter in run.table and bool(run.value(counter))
 
 
+OTHERS = (("last_scale", "in the last scale"), ("smoothed", "smoothed"))
+
+
 def summary(comparison):
-    """A row per run: (run, cells, cells of the smoothed trajectory or None, columns that it leaves empty)."""
+    """A row per run: (run, cells, (name, cells) of its other trajectories, columns that these leave empty)."""
     of_trajectory, of_run = columns(comparison, "trajectory"), columns(comparison, "run")
     competing = [run for run in comparison.runs if run.competes]
     best = {m.key: metrics.best(m, [run.value(m.key) for run in competing], expected(comparison, m)) if metrics.is_ranked(m, comparison.aligned) else None
@@ -87,10 +90,9 @@ def summary(comparison):
             value = run.value(m.key)
             wins = not several and run.competes and metrics.equal(value, best[m.key]) and not (apart and m.of == "trajectory")
             cells.append(Cell("∞" if is_infinite(run, m) else metrics.text(m, value), wins))
-        smoothed = None
-        if run.metric("smoothed") and run.judged != "smoothed":
-            smoothed = [Cell(metrics.text(m, run.value(m.key, "smoothed"))) for m in of_trajectory]
-        rows.append((run, cells + [frames(run)], smoothed, len(of_run) + 1))
+        others = [(name, [Cell(metrics.text(m, run.value(m.key, which))) for m in of_trajectory])
+                  for which, name in OTHERS if run.metric(which) and run.judged != which]
+        rows.append((run, cells + [frames(run)], others, len(of_run) + 1))
     return rows
 
 
