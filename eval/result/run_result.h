@@ -112,8 +112,8 @@ struct RunResult {
   std::vector<double> scale_information;  // likewise
   std::vector<double> scale_changes;      // likewise
   std::vector<CameraEstimate> smoothed;   // empty for a pure filter
-  // The shape of `filtered` in the scale of its end (run/last_scale.h); empty where the scale is
-  // known or no estimator says how it changed.
+  // The shape of `filtered` in the scale of its end (trajectory/last_scale.h); empty where the
+  // scale is known or no estimator says how it changed.
   std::vector<CameraEstimate> last_scale;
   // A batch is solved once, after the last frame: its result is `smoothed`, and `filtered` is that
   // of the window in front of it.

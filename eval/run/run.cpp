@@ -5,10 +5,10 @@
 #include "eval/configuration/registry.h"
 #include "eval/configuration/setup.h"
 #include "eval/run/landmark_history.h"
-#include "eval/run/last_scale.h"
 #include "eval/run/ray_spread.h"
 #include "eval/run/self_check.h"
 #include "eval/run/stage_clock.h"
+#include "eval/trajectory/last_scale.h"
 
 namespace slammot {
 namespace {

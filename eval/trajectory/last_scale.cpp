@@ -1,4 +1,4 @@
-#include "eval/run/last_scale.h"
+#include "eval/trajectory/last_scale.h"
 
 #include <algorithm>
 #include <cmath>
