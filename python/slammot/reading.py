@@ -1,5 +1,7 @@
 """What the program wrote, as pandas tables and numpy arrays."""
+import csv
 import gzip
+import io
 import json
 import pathlib
 from dataclasses import dataclass, field
@@ -26,12 +28,12 @@ def _file(folder, name, required=True):
     return file
 
 
-def _table(file, **how):
-    """A CSV or TUM file as a table; None for no file."""
+def _table(file, text=None, **how):
+    """A CSV or TUM file, or its text, as a table; None for no file."""
     if file is None:
         return None
     try:
-        return pandas.read_csv(file, float_precision="round_trip", **how)
+        return pandas.read_csv(file if text is None else io.StringIO(text), float_precision="round_trip", **how)
     except (ValueError, EOFError, gzip.BadGzipFile, pandas.errors.ParserError) as error:
         raise ValueError(f"{file}: {error}") from None
 
@@ -39,6 +41,16 @@ def _table(file, **how):
 def _text(file):
     with (gzip.open if file.suffix == ".gz" else open)(file, "rt", encoding="utf-8") as lines:
         return lines.read()
+
+
+def _images(file):
+    """A table whose last column, the name of an image, runs to the end of its line."""
+    if file is None:
+        return None
+    rows = _text(file).splitlines()
+    quoted = io.StringIO()
+    csv.writer(quoted).writerows(row.split(",", rows[0].count(",")) for row in rows)
+    return _table(file, quoted.getvalue())
 
 
 def _yaml(file):
@@ -158,8 +170,8 @@ def read_sequence(folder):
     by = [column for column in ("frame", "track", "camera") if column in observations]
     observations = observations.sort_values(by, ignore_index=True)
     return Sequence(folder=pathlib.Path(folder), name=settings["name"], camera=cameras[0], other_cameras=cameras[1:],
-                    other_images=_table(_file(folder, "other_images.csv", required=False)),
-                    pixel_sigma=float(settings["pixel_sigma"]), frames=_table(_file(folder, "frames.csv")),
+                    other_images=_images(_file(folder, "other_images.csv", required=False)),
+                    pixel_sigma=float(settings["pixel_sigma"]), frames=_images(_file(folder, "frames.csv")),
                     observations=observations, truth=_trajectory(_file(folder, "groundtruth.tum", required=False)),
                     landmarks=_table(_file(folder, "landmarks.csv", required=False)),
                     known=_table(_file(folder, "known.csv", required=False)), settings=settings,

@@ -55,6 +55,13 @@ class Package(WithFolder):
         self.assertTrue((next(iter(rig)).depths > 0.0).all())
         self.assertEqual(len(alone.other_cameras) + len(next(iter(alone)).other_views.tracks), 0)
 
+    def test_the_name_of_an_image_runs_to_the_end_of_its_line(self):
+        folder = slammot.simulate("circle", seed=3, output=self.folder / "named", frames=2).folder
+        (folder / "frames.csv").write_text("frame,timestamp,image\n0,0.5,a, \"b\".png\n1,0.6,c.png\n", encoding="utf-8")
+        frames = slammot.read_sequence(folder).frames
+        self.assertEqual(list(frames["image"]), ['a, "b".png', "c.png"])
+        self.assertEqual(list(frames["timestamp"]), [0.5, 0.6])
+
     def test_truth_projects_to_the_measurements(self):
         sequence = slammot.simulate("helix", seed=1, frames=10)
         known = sequence.known.set_index("track")

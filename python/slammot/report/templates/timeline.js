@@ -6,7 +6,7 @@ const COLOURS = ["#0072B2", "#CC79A7", "#D55E00", "#5f6772"];
 const DASHES = [[], [2, 3], [9, 3], []];
 const NAMES = ["static", "unknown", "moving", "no landmark"];
 const INK = "#1b1f24", GREY = "#969696", RULE = "#d9dde2";
-const TRAIL = 8, STRIP = 96, LEFT = 50;
+const TRAIL = 8, STRIP = 96, LEFT = 58;
 
 // A canvas as wide as its place, `height` high, cleared.
 function cleared(canvas, height) {
