@@ -3,9 +3,9 @@
 // landmark_manager.h, the same for every family; a new family implements this interface and
 // inherits gate, labels, depth prior and pruning.
 //
-// A landmark is named by its track. It is *free* while it has a motion w, else static.
-// Output parameters are replaced; they are handed in so that a warm frame asks for no memory.
-// Every function may throw Diverged.
+// A landmark is named by its track. It is *free* while it has a motion w, else at rest; "static"
+// below means that, whatever its label. Output parameters are replaced; they are handed in so that
+// a warm frame asks for no memory. Every function may throw Diverged.
 #pragma once
 
 #include <span>
@@ -89,8 +89,8 @@ class Belief {
   // by innovations alone, and no birth is held (modules/births.h).
   virtual bool remembers_motions() const { return false; }
 
-  // What the motions of static landmarks that update() used would be, were they not held at rest;
-  // of those whose motion is still remembered (LabelOptions::memory).
+  // What the motions of these landmarks at rest, measured in this frame, would be, were they not
+  // held at rest; of those whose motion is still remembered (LabelOptions::memory).
   virtual void constrained_motions(std::span<const int> /*tracks*/, RememberedMotions& result) {
     result.reset(0, 0);
   }

@@ -84,7 +84,9 @@ constexpr std::string_view to_string(Measured measured) {
 struct Prediction {
   int track = 0;
   Eigen::Vector2d pixel;
-  Eigen::Matrix2d S;  // of the innovation, the noise of the measurement included [px^2]
+  // Of the innovation, the noise of the measurement included (of Belief::predict_pixels() not yet)
+  // [px^2].
+  Eigen::Matrix2d S;
   Measured measured = Measured::kNot;
   int camera = 0;
 };
@@ -92,7 +94,7 @@ struct Prediction {
 // What happened in one frame.
 struct FrameReport {
   int accepted = 0;         // measurements of landmarks in the state that passed the gate
-  int accepted_static = 0;  // of them those of static landmarks
+  int accepted_static = 0;  // of them those of landmarks at rest, labelled or held
   int rejected = 0;         // those that did not
   int out_of_view = 0;      // measured, but predicted behind the camera or far outside the image
   int admitted = 0;         // landmarks initialised

@@ -2,7 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "estimation/estimator.h"
@@ -18,10 +20,6 @@ Index row(std::size_t i) { return static_cast<Index>(2 * i); }
 
 double squared(const Eigen::Vector2d& nu, const Eigen::Matrix2d& S) {
   return nu.dot(S.inverse() * nu);
-}
-
-double squared_of_many(const Eigen::VectorXd& nu, const Eigen::MatrixXd& S) {
-  return nu.dot(S.llt().solve(nu));
 }
 
 // Past the measurements of the landmark that is measured at i.
@@ -92,7 +90,6 @@ void FrameGate::judge(const FrameInnovation& frame) {
   }
 }
 
-// Of a landmark whose pixels do not agree with each other the best one begins.
 void FrameGate::judge_alone(const FrameInnovation& frame) {
   set_.clear();
   asks_alone_ = true;
@@ -100,31 +97,59 @@ void FrameGate::judge_alone(const FrameInnovation& frame) {
   agrees_with_own_.assign(frame.z.size(), 1);
   for (std::size_t i = 0, end = 0; i < frame.z.size(); i = end) {
     end = end_of_landmark(frame, i);
-    std::size_t best = i;
     for (std::size_t j = i; j < end; ++j) {
       nis_[j] = squared(frame.nu[j], S(j, j));
       passes_alone_[j] = nis_[j] <= alone_ ? 1 : 0;  // NaN does not
-      if (nis_[j] < nis_[best]) best = j;
     }
-    if (end - i > 1 && nis_alone(frame, i, end) <= alone_) {
-      for (std::size_t j = i; j < end; ++j) {
-        passes_alone_[j] = 1;
-        set_.push_back(j);
-      }
-    } else {
-      for (std::size_t j = i; j < end; ++j) agrees_with_own_[j] = end - i == 1 ? 1 : 0;
-      if (accepts_alone(best)) set_.push_back(best);
+    if (end - i > 1) {
+      judge_together(frame, i, end);
+    } else if (accepts_alone(i)) {
+      set_.push_back(i);
     }
   }
 }
 
-// Of the pixels of one landmark, [i, end), together.
-double FrameGate::nis_alone(const FrameInnovation& frame, std::size_t i, std::size_t end) const {
-  const Index size = row(end - i);
+// The pixels [i, end) of one landmark. Where they do not pass together, that one goes without which
+// the others agree best, until they do.
+void FrameGate::judge_together(const FrameInnovation& frame, std::size_t i, std::size_t end) {
+  landmark_.resize(end - i);
+  std::iota(landmark_.begin(), landmark_.end(), i);
+  double nis = nis_together(frame, landmark_);
+  while (landmark_.size() > 1 && !(nis <= alone_)) {
+    std::fill(&agrees_with_own_[i], &agrees_with_own_[end - 1] + 1, char{0});
+    std::vector<std::size_t> best;
+    for (const std::size_t dropped : landmark_) {
+      std::vector<std::size_t> others;
+      std::ranges::remove_copy(landmark_, std::back_inserter(others), dropped);
+      const double of_others = nis_together(frame, others);
+      if (!best.empty() && !(of_others < nis)) continue;
+      nis = of_others;
+      best.swap(others);
+    }
+    landmark_.swap(best);
+  }
+  if (!(nis <= alone_)) return;
+  for (const std::size_t j : landmark_) {
+    nis_[j] = nis;
+    passes_alone_[j] = 1;
+    set_.push_back(j);
+  }
+}
+
+// Of some pixels of one landmark.
+double FrameGate::nis_together(const FrameInnovation& frame,
+                               std::span<const std::size_t> places) const {
+  if (places.size() == 1) return squared(frame.nu[places[0]], S(places[0], places[0]));
+  const Index size = row(places.size());
   Eigen::VectorXd nu(size);
-  for (std::size_t j = i; j < end; ++j) nu.segment<2>(row(j - i)) = frame.nu[j];
-  return as_of_one_pixel(squared_of_many(nu, (*S_).block(row(i), row(i), size, size)),
-                         static_cast<int>(end - i));
+  Eigen::MatrixXd S_own(size, size);
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    nu.segment<2>(row(k)) = frame.nu[places[k]];
+    for (std::size_t l = 0; l < places.size(); ++l) {
+      S_own.block<2, 2>(row(k), row(l)) = S(places[k], places[l]);
+    }
+  }
+  return as_of_one_pixel(nu.dot(S_own.llt().solve(nu)), static_cast<int>(places.size()));
 }
 
 // nu_j given i is nu_j - S_ji S_ii^-1 nu_i, of covariance S_jj - S_ji S_ii^-1 S_ij.
@@ -273,11 +298,15 @@ double FrameGate::given_accepted(const FrameInnovation& frame, std::size_t i) co
   return squared(nu, covariance);
 }
 
-// Of a landmark whose pixels do not agree with each other one is enough.
+// Where the pixels of a landmark do not agree with each other, only with those that are used.
 bool FrameGate::may_come_in(const FrameInnovation& frame, std::size_t i) const {
   if (!accepts_alone(i)) return false;
-  for (std::size_t j = 0; agrees_with_own_[i] == 0 && j < frame.z.size(); ++j) {
-    if (accepts(j) && frame.z[j].track == frame.z[i].track) return false;
+  if (asks_alone_ && agrees_with_own_[i] == 0) {
+    std::vector<std::size_t> own;
+    for (std::size_t j = 0; j < frame.z.size(); ++j) {
+      if (frame.z[j].track == frame.z[i].track && (j == i || accepts(j))) own.push_back(j);
+    }
+    if (!(nis_together(frame, own) <= alone_)) return false;
   }
   return given_accepted(frame, i) <= given_others_;
 }

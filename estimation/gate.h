@@ -1,6 +1,6 @@
 // The gate of all estimators: which of a frame's measurements are used.
 //
-// Each on its own (thesis): nu_i' S_ii^-1 nu_i, with S = H P H' + R, against a chi-square
+// Each on its own: nu_i' S_ii^-1 nu_i, with S = H P H' + R, against a chi-square
 // quantile. What all of a frame share, above all the camera's motion, is in every S_ii, so that
 // this alone may let anything pass.
 //
@@ -37,7 +37,7 @@ struct FrameInnovation {
   std::vector<Observation> z;
   std::vector<Eigen::Vector2d> nu;  // z - h(x) [px]
   // Joint covariance of all h(x), without the pixels' noise [px^2]: 2n x 2n, the lower triangle.
-  // With what the linearisation leaves out, where an estimator states it.
+  // In the EKF with N, what the linearisation leaves out (filters/second_order.h).
   GrowingMatrix HPHt;
 };
 
@@ -66,7 +66,7 @@ class FrameGate {
   // Throws Diverged when S is not positive definite.
   void judge(const FrameInnovation& frame);
 
-  // Of the frame sorted last, by the place of the measurement.
+  // Of the frame judged last, by the place of the measurement.
   Eigen::Matrix2d S(std::size_t i) const { return S(i, i); }
   bool accepts(std::size_t i) const { return is_accepted_[i] != 0; }
   bool accepts_alone(std::size_t i) const { return !asks_alone_ || passes_alone_[i] != 0; }
@@ -75,8 +75,9 @@ class FrameGate {
   bool agrees(std::size_t i) const {
     return accepts(i) || (std::isfinite(given_others_) && nis_given_others_[i] <= given_others_);
   }
-  double nis(std::size_t i) const { return nis_[i]; }  // of this pixel on its own
-  // Those accepted; of an accepted one, that of all accepted pixels of its landmark.
+  // On its own; of a landmark's pixels that pass together, all of them, as of one.
+  double nis(std::size_t i) const { return nis_[i]; }
+  // Given the accepted ones; of one of these, of all accepted pixels of its landmark.
   double nis_given_others(std::size_t i) const { return nis_given_others_[i]; }
   // Whether it would pass if its landmark had moved by so many pixels (one sigma, either way).
   bool accepts_moved(const FrameInnovation& frame, std::size_t i, double moved_px) const;
@@ -90,7 +91,8 @@ class FrameGate {
   };
   Block S(std::size_t i, std::size_t j) const;
   void judge_alone(const FrameInnovation& frame);
-  double nis_alone(const FrameInnovation& frame, std::size_t i, std::size_t end) const;
+  void judge_together(const FrameInnovation& frame, std::size_t i, std::size_t end);
+  double nis_together(const FrameInnovation& frame, std::span<const std::size_t> places) const;
   void keep_those_that_agree_with_one(const FrameInnovation& frame);
   void begin_with_majority(const FrameInnovation& frame);
   void accept(const FrameInnovation& frame);
@@ -111,7 +113,7 @@ class FrameGate {
   std::vector<char> is_accepted_, passes_alone_, agrees_with_own_;
   std::vector<double> nis_, nis_given_others_;
   std::vector<std::size_t> set_, agree_, most_, passing_;  // places of measurements
-  std::vector<std::size_t> landmark_;                      // in the set: one's accepted pixels
+  std::vector<std::size_t> landmark_;                      // of one's pixels
   GrowingMatrix S_;                                        // of all
   GrowingMatrix nu_, B_, a_;                               // of the set, in its order
   GrowingMatrix gain_, columns_;

@@ -22,7 +22,7 @@ struct TrackRecord {
   std::optional<int> decision_frame;
   int observations = 0;
   int unused_frames = 0;       // frames since the newest accepted measurement
-  int rejected_in_row = 0;     // measurements rejected since then
+  int rejected_in_row = 0;     // frames since then whose measurement was rejected or out of view
   int missed = 0;              // frames since then in which it was predicted in view
   LandmarkPrior prior;         // what was stated of it at its birth
   bool is_remembered = false;  // static, and its motion is remembered (modules/label_revision.h)

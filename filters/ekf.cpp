@@ -86,6 +86,7 @@ void Ekf::predict(const Frame& frame, double dt, const MotionNoise& noise,
 }
 
 void Ekf::add_known(const KnownLandmark& known) {
+  // From here on the translation is known from elsewhere (second_order.h).
   if (devices_.second_order == SecondOrder::kOwn) devices_.second_order = SecondOrder::kCommon;
   const FilterAnchor& anchor = anchor_here();
   const NewKnownLandmark here = initialise_known(functions_.point, known, anchor.position);
@@ -125,13 +126,13 @@ void Ekf::update(std::span<const Observation> accepted, std::span<const int> con
   considered_.clear();
   for (const Observation& z : accepted) {
     state_.landmarks.at(z.track).last_used = frames_;
-    const bool alone = std::ranges::binary_search(considered, z.track);
-    (alone ? considered_ : counting_).push_back(z);
+    const bool is_considered = std::ranges::binary_search(considered, z.track);
+    (is_considered ? considered_ : counting_).push_back(z);
   }
   updates_ += counting_.empty() ? 0 : 1;
   keep(counting_, innovation_);
   slammot::update(state_, devices_, rig_, setup_.pixel_sigma, options_.iterations, innovation_);
-  update_considered(state_, devices_, rig_, considered_, setup_.pixel_sigma, alone_);
+  update_considered(state_, devices_, rig_, considered_, setup_.pixel_sigma, of_considered_);
 }
 
 void Ekf::leave_one_out(std::vector<LeaveOneOut>& result) { nis_given_others(innovation_, result); }

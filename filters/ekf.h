@@ -72,7 +72,7 @@ class Ekf final : public Belief {
   Matrix12d camera_noise_ = Matrix12d::Zero();  // of the newest step
 
   // Of the frame in hand; kept for their memory.
-  Innovation innovation_, alone_;
+  Innovation innovation_, of_considered_;
   std::vector<Observation> counting_, considered_;
 };
 

@@ -71,7 +71,7 @@ void GaugeError::fill_directions(const JointState& state, GrowingMatrix& into) c
 
 bool GaugeError::is_recently_measured(int last_used, int newest) const {
   constexpr int kFrames = 100;
-  return !any_known_ || last_used >= newest - kFrames;
+  return !knows_scale_ || last_used >= newest - kFrames;
 }
 
 void GaugeError::fill_weights(const JointState& state) {

@@ -18,7 +18,7 @@
 //
 //   e := e + (N(x + dx) - N(x)) lambda,   lambda = L'e.
 //
-// Which heading: the camera's, c = R dtheta. Which scale: where no landmark is known beforehand,
+// Which heading: the camera's, c = R dtheta. Which scale: where nothing tells the scale,
 // that of the whole map. Else that of what was measured in the last hundred frames, since known
 // landmarks that left long ago say little of it. lambda is the mean of the errors of -log rho of
 // these static landmarks, and of the log of the speed, weighted with their inverse variances w_i:
@@ -42,8 +42,8 @@ class GaugeError {
   using Directions = BoundedMatrix<Eigen::Dynamic, Eigen::Dynamic, kMaxLandmark, 3>;
 
   // `gauge`: not kNone.
-  GaugeError(Gauge gauge, const LandmarkFunctions& landmark, bool any_known)
-      : gauge_(gauge), functions_(landmark), any_known_(any_known) {}
+  GaugeError(Gauge gauge, const LandmarkFunctions& landmark, bool knows_scale)
+      : gauge_(gauge), functions_(landmark), knows_scale_(knows_scale) {}
 
   // x := x [+] dx after an update, P in the coordinates at the new estimate.
   void correct(JointState& state, Eigen::Ref<const Eigen::VectorXd> dx);
@@ -72,7 +72,7 @@ class GaugeError {
 
   Gauge gauge_;
   const LandmarkFunctions& functions_;
-  bool any_known_;
+  bool knows_scale_;
   GrowingMatrix L_, P_L_, before_, change_;  // n x columns(); kept for their memory
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3> variance_;
 };

@@ -29,32 +29,18 @@ Merge merge_of(const Innovation& innovation, const LandmarkRows& l, double pixel
     J_others.middleRows<2>(2 * k) << weight * h.J_pose, weight * h.J_anchor;
     merge.T.diagonal().segment<2>(2 * k).setConstant(weight);
   }
+  // J_pose and J_anchor have the column space of J_y, that of one point in C0, so that what is
+  // orthogonal to J_y is noise; but not where J_y has no three directions.
   const Eigen::HouseholderQR<MatrixXd> qr(J_y);
   const MatrixXd Q = qr.householderQ();
   const MatrixXd left = Q.rightCols(l.count - 3).transpose() * J_others;
-  if (left.norm() > kNone * J_others.norm()) return merge;  // J_y has no three directions
+  if (left.norm() > kNone * J_others.norm()) return merge;
   merge.T = Q.transpose() * merge.T;
   merge.noise = l.count - 3;
   return merge;
 }
 
 }  // namespace
-
-void fill_rows(Innovation& innovation) {
-  innovation.landmarks.clear();
-  innovation.r.resize(innovation.rows(), 1);
-  for (std::size_t i = 0; i < innovation.matches.size(); ++i) {
-    const int track = innovation.matches[i].track;
-    const auto row = static_cast<Index>(2 * i);
-    (*innovation.r).middleRows<2>(row) = innovation.nu[i];
-    if (i > 0 && innovation.landmarks.back().track == track) {
-      ++innovation.landmarks.back().pixels;
-      innovation.landmarks.back().count += 2;
-    } else {
-      innovation.landmarks.push_back({.track = track, .first = row});
-    }
-  }
-}
 
 void merge_views(double pixel_sigma, Innovation& innovation) {
   auto P_Ht = *innovation.P_Ht, r = *innovation.r, S = *innovation.S;

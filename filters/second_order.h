@@ -14,9 +14,9 @@
 //     Cov(e_i d_i, e_j d_j) = E[e_i e_j] E[d_i d_j'] + E[d_i e_j] E[e_i d_j']
 //
 // Without them many landmarks seem to know a translation that known ones contradict, and these are
-// rejected. They are stated once a known landmark has been measured. Where none is, and nothing is
-// stated of depths, their mean has a sigma of 1 1/m at first, which is not that of any scene:
-// nothing of the translation would be learnt from the first frames
+// rejected. They are stated once a known landmark has been measured, and with a rig or depths.
+// Where none is, and nothing is stated of depths, their mean has a sigma of 1 1/m at first, which
+// is not that of any scene: nothing of the translation would be learnt from the first frames
 // (docs/filter.md).
 //
 // Of static landmarks only: the motion of a free one explains its parallax whatever rho is. The

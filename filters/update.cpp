@@ -42,8 +42,9 @@ void stack_J_pose(Innovation& innovation) {
   }
 }
 
-// J_w of a pixel of a landmark whose motion is constrained (constrained_motion.cpp): what it would
-// have moved by since it came to rest.
+// The rows of a constrained w hold Phi' and -J, no covariance (covariance/constrained_motion.cpp).
+// P H' has Phi' H' there; the pixel depends on w directly too, by J_y F_yw, since y is that of the
+// time of rest. S has no part of w: it is held at 0.
 void add_J_w(const JointState& state, const Devices& devices, int track, const Matrix23d& J_y,
              Eigen::Ref<Eigen::MatrixX2d> P_Ht) {
   const FilterLandmark& landmark = state.landmarks.at(track);
@@ -116,7 +117,7 @@ void rows_of_H(const JointState& state, const Innovation& innovation, std::size_
         h.J_y.lazyProduct(x.template middleRows<3>(landmark.y_block.offset));
 }
 
-// W := W L'^-1, by halves: OpenBLAS's triangular solve with AVX-512 kernels is much slower than its
+// W := W L^-T, by halves: OpenBLAS's triangular solve with AVX-512 kernels is much slower than its
 // product.
 void solve_on_the_right(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::MatrixXd> W) {
   const Index half = L.cols() / 2, rest = L.cols() - half;
@@ -132,7 +133,7 @@ void solve_on_the_right(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<E
       .solveInPlace<Eigen::OnTheRight>(second);
 }
 
-// P H' becomes W = P H' L'^-1 with S = L L', so that W W' = P H' S^-1 H P, and dx = W L^-1 nu.
+// P H' becomes W = P H' L^-T with S = L L', so that W W' = P H' S^-1 H P, and dx = W L^-1 nu.
 void solve(Innovation& innovation) {
   auto S = *innovation.S;
   if (!cholesky_in_place(S)) throw Diverged("the innovation covariance is not positive definite");
@@ -145,9 +146,10 @@ void solve(Innovation& innovation) {
   if (!(*innovation.dx).allFinite()) throw Diverged("the correction of the state is not finite");
 }
 
-// The innovation at an iterate x_i = x [+] dx, written as one of the prior's coordinates: with
-// dr = J_r dtheta the Jacobian of the iterate, H~ = H dr and nu~ = z - h(x_i) + H~ dx.
-// Where the linearisation point is fixed, H~ = H.
+// The innovation at an iterate x_i = x [+] dx, written as one of the prior's coordinates. An error
+// e of the prior's rotation is J_r(dtheta) e at the iterate, so that H~ is H(x_i) with its rotation
+// columns times J_r(dtheta), and nu~ = z - h(x_i) + H~ dx (docs/filter.md). Where the linearisation
+// point is fixed, H~ = H.
 void relinearise(const JointState& prior, const Devices& devices, const Rig& rig,
                  const Innovation& first, Innovation& innovation) {
   const Eigen::VectorXd dx = *innovation.dx;
@@ -162,7 +164,7 @@ void relinearise(const JointState& prior, const Devices& devices, const Rig& rig
     const auto h = observe(rig[first.matches[k].camera], devices.point(), iterate.camera.position,
                            iterate.camera.orientation, iterate.anchors.at(landmark.anchor).position,
                            landmark.y);
-    if (!h) continue;  // keeps the residual and linearisation it had
+    if (!h) continue;  // out of view there: as at the prior
     evaluated[k] = true;
     innovation.nu[k] = first.matches[k].pixel - h->pixel;
     if (!devices.linearisation.at_estimate()) continue;
@@ -216,17 +218,17 @@ std::optional<Prediction> predict_pixel(const JointState& state, const Devices& 
 // The camera's part of all matches in one product, then each landmark's.
 void fill_HPHt(const JointState& state, Innovation& innovation, GrowingMatrix& result) {
   result.resize(innovation.rows(), innovation.rows());
-  auto S = *result;
+  auto HPHt = *result;
   const auto P_Ht = *innovation.P_Ht;
   stack_J_pose(innovation);  // some matches may have gone since P H' was filled
-  S.noalias() = *innovation.J_pose * P_Ht.topRows<6>();
+  HPHt.noalias() = *innovation.J_pose * P_Ht.topRows<6>();
   for (std::size_t i = 0; i < innovation.matches.size(); ++i) {
     const ObservedPixel& h = innovation.predicted[i];
     const FilterLandmark& landmark = state.landmarks.at(innovation.matches[i].track);
     const int anchor = state.anchors.at(landmark.anchor).block.offset;
     const auto row = static_cast<Index>(2 * i);
     for (Index column = 0; column < row + 2; ++column) {
-      S.block<2, 1>(row, column) +=
+      HPHt.block<2, 1>(row, column) +=
           h.J_anchor.lazyProduct(P_Ht.block<3, 1>(anchor, column)) +
           h.J_y.lazyProduct(P_Ht.block<3, 1>(landmark.y_block.offset, column));
     }
@@ -259,6 +261,22 @@ void keep(std::span<const Observation> accepted, Innovation& innovation) {
   if (P_rho.cols() > 0) innovation.P_rho.keep_columns(static_cast<Index>(kept));
 }
 
+void stack_rows(Innovation& innovation) {
+  innovation.landmarks.clear();
+  innovation.r.resize(innovation.rows(), 1);
+  for (std::size_t i = 0; i < innovation.matches.size(); ++i) {
+    const int track = innovation.matches[i].track;
+    const auto row = static_cast<Index>(2 * i);
+    (*innovation.r).middleRows<2>(row) = innovation.nu[i];
+    if (i > 0 && innovation.landmarks.back().track == track) {
+      ++innovation.landmarks.back().pixels;
+      innovation.landmarks.back().count += 2;
+    } else {
+      innovation.landmarks.push_back({.track = track, .first = row});
+    }
+  }
+}
+
 void update(JointState& state, Devices& devices, const Rig& rig, double pixel_sigma, int iterations,
             Innovation& innovation) {
   if (innovation.rows() == 0) return;
@@ -268,7 +286,8 @@ void update(JointState& state, Devices& devices, const Rig& rig, double pixel_si
     if (i > 0) relinearise(state, devices, rig, *first, innovation);
     fill_HPHt(state, innovation, innovation.S);
     add_pixel_noise(innovation.matches, pixel_sigma, innovation.S);
-    fill_rows(innovation);
+    stack_rows(innovation);
+    // What is linearised again needs its rows as they were.
     if (iterations == 1 && rig.size() > 1) merge_views(pixel_sigma, innovation);
     solve(innovation);
   }

@@ -37,7 +37,7 @@ struct Innovation {
 
   Eigen::Index rows() const { return 2 * std::ssize(matches); }
 
-  // Of the update: its rows, innovation and S, both then solved for.
+  // Of the update: its rows; r is nu, after update() L^-1 nu, after nis_given_others() S^-1 nu.
   std::vector<LandmarkRows> landmarks;
   GrowingMatrix r, S;
 
@@ -79,12 +79,13 @@ void update(JointState& state, Devices& devices, const Rig& rig, double pixel_si
 // is not in it.
 void nis_given_others(Innovation& innovation, std::vector<LeaveOneOut>& result);
 
-// merge_views.cpp. The rows of the update from S with its noise: two a pixel.
-void fill_rows(Innovation& innovation);
+// r := nu, and which rows are of one landmark: two a pixel.
+void stack_rows(Innovation& innovation);
 
-// After fill_rows(): the pixels of a landmark in several cameras depend on three numbers, where it
-// is seen from camera 0. An orthogonal change of their whitened rows leaves three, and others that
-// are nothing but noise, independent of all else. The update is the same, with fewer rows.
+// merge_views.cpp. After stack_rows(): the pixels of a landmark in several cameras depend on three
+// numbers, where it is seen from camera 0. An orthogonal change of their whitened rows leaves
+// three, and others that are nothing but noise, independent of all else. The update is the same,
+// with fewer rows.
 void merge_views(double pixel_sigma, Innovation& innovation);
 
 // update_considered.cpp. Measurements that correct only their own landmarks, free ones, one after

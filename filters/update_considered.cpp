@@ -32,10 +32,11 @@ void update_considered(JointState& state, Devices& devices, const Rig& rig,
   auto C = *memory.columns;
   C = P_Ht.lazyProduct(K.transpose());
   JointCovariance::Block D = K * S * K.transpose();
-  const auto N = devices.gauge ? devices.gauge->directions(landmark) : GaugeError::Directions();
+  const auto before =
+      devices.gauge ? devices.gauge->directions(landmark) : GaugeError::Directions();
   landmark.y += dx.head<3>();
   landmark.w += dx.tail(w.dim);
-  if (devices.gauge) devices.gauge->moved_alone(landmark, N, C, D);
+  if (devices.gauge) devices.gauge->moved_alone(landmark, before, C, D);
   state.covariance.subtract_alone({y, w}, C, D);
 }
 

@@ -7,19 +7,18 @@
 
 namespace slammot {
 
-// Jacobians at the truth need no care for movers, and a covariance there must not depend on the
-// estimate.
 FrameLoop::FrameLoop(const Setup& setup, const ModelOptions& models, std::unique_ptr<Belief> belief,
-                     std::shared_ptr<const Truth> truth_for_view)
+                     std::shared_ptr<const Truth> truth_of_jacobians)
     : setup_(setup),
       models_(models),
       point_(find_point(models.point)),
       gate_(models.gate, setup.pixel_sigma),
       policy_(models.policy),
       belief_(std::move(belief)),
-      manager_(setup, models, belief_->remembers_motions(), truth_for_view),
-      noise_(setup.camera_noise, models.adaptive_motion && !truth_for_view) {
-  if (truth_for_view) policy_.movers = Movers::kJoint;
+      manager_(setup, models, belief_->remembers_motions(), truth_of_jacobians),
+      noise_(setup.camera_noise, models.adaptive_motion && !truth_of_jacobians) {
+  // They need no care for movers, and a covariance there must not depend on the estimate.
+  if (truth_of_jacobians) policy_.movers = Movers::kJoint;
   if (!setup.knows_scale()) scale_change_.emplace(setup.initial.state.position);
 }
 
@@ -28,10 +27,10 @@ FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
     throw std::invalid_argument("the time of a frame must be later than that of the one before");
   }
   FrameReport report;
-  const double dt = time_since_last(frame);
   const CameraEstimate before = timestamp_ ? belief_->camera() : CameraEstimate{};
+  const double dt = advance_time(frame);
 
-  // Predict camera and free landmarks; known landmarks enter.
+  // Old remembered motions are forgotten; camera and free landmarks predicted; known ones enter.
   stages.begin("predict");
   manager_.forget_motions(*belief_);
   belief_->predict(frame, dt, noise_.of_next(), manager_.records());
@@ -48,6 +47,7 @@ FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
   // Update with what passed; movers may be considered only.
   stages.begin("update");
   find_considered(accepted_, manager_.records(), policy_, considered_);
+  considered_frames_ += considered_.empty() ? 0 : 1;
   belief_->update(accepted_, considered_, stages);
 
   // Read the update's marginals before labels change.
@@ -74,7 +74,6 @@ FrameReport FrameLoop::process(const Frame& frame, StageListener& stages) {
 }
 
 void FrameLoop::look_at_marginals(const CameraEstimate& before, double dt) {
-  considered_frames_ += considered_.empty() ? 0 : 1;
   if (noise_.adapts() && dt > 0.0) noise_.learn(before, belief_->camera(), dt);
   if (manager_.watches_innovations()) {
     belief_->leave_one_out(given_others_);
@@ -97,7 +96,7 @@ void FrameLoop::count_what_is_left(FrameReport& report) {
       points_, [&](const LandmarkPoint& p) { return point_.inverse_depth(p.y) < 0.0; }));
 }
 
-double FrameLoop::time_since_last(const Frame& frame) {
+double FrameLoop::advance_time(const Frame& frame) {
   const double dt = timestamp_ ? frame.timestamp - *timestamp_ : 0.0;
   timestamp_ = frame.timestamp;
   return dt;

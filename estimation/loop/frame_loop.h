@@ -18,10 +18,10 @@ namespace slammot {
 
 class FrameLoop final : public Estimator {
  public:
-  // `belief`: before the first frame. `truth_for_view`: see LandmarkManager. Throws
+  // `belief`: before the first frame. `truth_of_jacobians`: see LandmarkManager. Throws
   // std::invalid_argument as that does.
   FrameLoop(const Setup& setup, const ModelOptions& models, std::unique_ptr<Belief> belief,
-            std::shared_ptr<const Truth> truth_for_view = nullptr);
+            std::shared_ptr<const Truth> truth_of_jacobians = nullptr);
 
   void keep_predictions() override { keeps_predictions_ = true; }
   FrameReport process(const Frame& frame, StageListener& stages) override;
@@ -47,11 +47,12 @@ class FrameLoop final : public Estimator {
     double median_nis = 0.0;
   };
 
-  double time_since_last(const Frame& frame);
+  double advance_time(const Frame& frame);
   void gate(const Frame& frame, double dt, FrameReport& report);
   void find_measured(const Frame& frame);
   void split_by_gate(double dt, FrameReport& report);
-  void note_unused();
+  void sort_landmarks();
+  void drop_explained_of_used();
   void follow_jolt(bool may_widen);
   void scale_step(double factor);
   Agreement agreement();
@@ -75,9 +76,9 @@ class FrameLoop final : public Estimator {
   long widened_ = 0, considered_frames_ = 0, refused_by_others_ = 0;
 
   // Of the frame in hand; kept for their memory.
-  std::vector<Observation> measured_, in_view_, not_in_view_, accepted_;
-  // The first of each landmark, of those accepted and of those in view.
-  std::vector<Observation> used_, landmarks_in_view_;
+  std::vector<Observation> measured_, in_view_, accepted_;
+  // The first of each landmark, of those accepted, in view, and all.
+  std::vector<Observation> used_, landmarks_in_view_, landmarks_measured_;
   std::vector<int> considered_;
   FrameInnovation innovation_;
   std::vector<LeaveOneOut> explained_by_motion_;  // rejected, but would pass had they moved

@@ -54,9 +54,10 @@ void FrameLoop::split_by_gate(double dt, FrameReport& report) {
       report.nis_sum += gate_.nis(i);
       continue;
     }
-    refused_by_others_ += gate_.accepts_alone(i) ? 1 : 0;
+    refused_by_others_ += gate_.accepts_alone(i) && !gate_.agrees(i) ? 1 : 0;
     const double moved = moved_px(manager_.records().at(z.track), setup_.camera, dt);
     if (!gate_.accepts_moved(innovation_, i, moved)) continue;
+    // Given the others; of one that failed on its own already, that one.
     const double nis = gate_.accepts_alone(i) ? gate_.nis_given_others(i) : gate_.nis(i);
     explained_by_motion_.push_back({z.track, nis});
   }
@@ -64,14 +65,15 @@ void FrameLoop::split_by_gate(double dt, FrameReport& report) {
   report.accepted = static_cast<int>(accepted_.size());
   report.rejected = static_cast<int>(in_view_.size() - accepted_.size());
   report.out_of_view = static_cast<int>(measured_.size() - in_view_.size());
-  note_unused();
+  sort_landmarks();
+  drop_explained_of_used();
 }
 
-// Landmarks of which no measurement was accepted; those that were rejected first.
-void FrameLoop::note_unused() {
+// By landmark what split_by_gate() has by measurement: used, in view, unused (rejected first).
+void FrameLoop::sort_landmarks() {
   first_of_each(accepted_, used_);
   first_of_each(in_view_, landmarks_in_view_);
-  first_of_each(measured_, not_in_view_);
+  first_of_each(measured_, landmarks_measured_);
   const auto without = [this](const std::vector<Observation>& all, const auto& used) {
     for (const Observation& z : all) {
       if (!std::ranges::binary_search(used, z.track, {}, &Observation::track)) {
@@ -80,7 +82,10 @@ void FrameLoop::note_unused() {
     }
   };
   without(landmarks_in_view_, used_);
-  without(not_in_view_, landmarks_in_view_);
+  without(landmarks_measured_, landmarks_in_view_);
+}
+
+void FrameLoop::drop_explained_of_used() {
   // What one camera of a rig sees and another does not is a wrong match.
   std::erase_if(explained_by_motion_, [this](const LeaveOneOut& z) {
     return std::ranges::binary_search(used_, z.track, {}, &Observation::track);
@@ -130,7 +135,8 @@ FrameLoop::Agreement FrameLoop::agreement() {
   return {most_agree, *middle};
 }
 
-// Of what was measured as the gate had them, of the rest those in the image.
+// Of what was measured as the gate had them; of the rest, and of what camera 0 did not measure,
+// those in its image.
 void FrameLoop::note_predictions(FrameReport& report) {
   for (std::size_t i = 0; i < innovation_.z.size(); ++i) {
     const Observation& z = innovation_.z[i];
@@ -140,7 +146,7 @@ void FrameLoop::note_predictions(FrameReport& report) {
   }
   std::vector<int> others;
   for (const auto& [track, record] : manager_.records()) {
-    if (!std::ranges::binary_search(measured_, track, {}, &Observation::track)) {
+    if (!std::ranges::binary_search(measured_, std::pair(track, 0), {}, kView)) {
       others.push_back(track);
     }
   }

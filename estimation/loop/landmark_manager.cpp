@@ -9,7 +9,7 @@
 namespace slammot {
 
 LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models, bool remembers,
-                                 std::shared_ptr<const Truth> truth_for_view)
+                                 std::shared_ptr<const Truth> truth_of_jacobians)
     : setup_(setup),
       models_(models),
       functions_(find_landmark(models.landmark, models.point)),
@@ -18,7 +18,7 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
           make_classifier(classifier_for(functions_, models.classifier), setup.true_labels)),
       depth_prior_(learns_depths(models.depth_prior, setup.initial, setup.knows_scale()),
                    setup.prior),
-      truth_(std::move(truth_for_view)),
+      truth_(std::move(truth_of_jacobians)),
       remembers_(remembers),
       memory_(remembers ? motion_memory(models, functions_) : 0),
       births_(births_in_force(models.labels.births, memory_)) {

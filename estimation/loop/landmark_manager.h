@@ -12,11 +12,11 @@ namespace slammot {
 
 class LandmarkManager {
  public:
-  // `remembers`: Belief::remembers_motions(). `truth_for_view`: none, or the truth of a run whose
-  // Jacobians are taken there. Throws std::invalid_argument for an unknown landmark model,
+  // `remembers`: Belief::remembers_motions(). `truth_of_jacobians`: none, or the truth of a run
+  // whose Jacobians are taken there. Throws std::invalid_argument for an unknown landmark model,
   // classifier or policy.
   LandmarkManager(const Setup& setup, const ModelOptions& models, bool remembers,
-                  std::shared_ptr<const Truth> truth_for_view);
+                  std::shared_ptr<const Truth> truth_of_jacobians);
 
   const TrackRecords& records() const { return records_; }
   bool holds(int track) const { return records_.contains(track); }

@@ -18,8 +18,8 @@
 // Jolts. Static landmarks agree where most of them, and five at least, agree with the accepted
 // measurements (gate.h). Let r be the NIS of the measurement of a static landmark on its own,
 // median over those that agree: wrong labels and wrong matches hardly move it. It is 1.4 on average
-// where pixels are most of S, and 2 where the camera's motion is, which all share. With f the
-// factor of this step,
+// where pixels are most of S, and 2 where the camera's motion is, which all share. With
+// f = max(1, m), m of the last frame,
 //   m <- (1 - a) m + a f min(r, 13.8) / 2
 // is the factor that the measurements ask for, for both velocities. Where they do not agree, r is
 // the median over all static ones, and m stays. Beyond 13.8, the 99.9% quantile of chi-square(2),

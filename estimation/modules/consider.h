@@ -18,7 +18,7 @@
 
 namespace slammot {
 
-// So many static landmarks measured in a frame, and movers need not help.
+// So many accepted measurements of landmarks at rest, and movers need not help.
 inline constexpr int kStaticEnough = 12;
 
 // Of the accepted measurements, which are sorted by track, the tracks that are considered only.

@@ -22,15 +22,18 @@ double ScaleChange::operator()(std::span<const LandmarkPoint> points, const Trac
   before_.swap(after_);
   measure(points, records);
   double sum_before = 0.0, sum_after = 0.0, least = 0.0;
+  int common = 0;
   auto before = before_.cbegin();
   for (const Anchor& after : after_) {
     while (before != before_.cend() && before->frame < after.frame) ++before;
     if (before == before_.cend()) break;
     if (before->frame != after.frame) continue;
+    ++common;
     sum_before += before->squared_distance;
     sum_after += after.squared_distance;
     least += kLeast * kLeast * (camera - origin_).squaredNorm();
   }
+  if (!before_.empty() && common == 0) return kUndefined;
   const bool tells = sum_before > 0.0 && sum_after > least;
   return tells ? 0.5 * std::log(sum_after / sum_before) : 0.0;
 }

@@ -24,9 +24,9 @@ class ScaleChange {
  public:
   explicit ScaleChange(const Eigen::Vector3d& origin) : origin_(origin) {}
 
-  // t of the frame that has left these landmarks, and the camera here. 0 where no past camera is
-  // in the state, or only such as are much nearer to o than this one: of the length that it has
-  // gone since they tell nothing but their own rounding or noise.
+  // t of the frame that has left these landmarks, and the camera here. 0 where the past cameras in
+  // the state are much nearer to o than this one: of the length that it has gone since they tell
+  // nothing but their own rounding or noise. NaN where none of those before is left.
   double operator()(std::span<const LandmarkPoint> points, const TrackRecords& records,
                     const Eigen::Vector3d& camera);
 

@@ -149,7 +149,7 @@ std::vector<PredictionRecord> read_prediction_rows(const Path& file) {
       return std::tuple(r.frame, r.prediction.track, r.prediction.camera);
     };
     if (!records.empty() && place(record) <= place(records.back())) {
-      row.refuse("rows are not by frame and track");
+      row.refuse("rows are not by frame, track and camera");
     }
     records.push_back(record);
   });

@@ -120,9 +120,14 @@ void align_run(const Sequence& sequence, AlignBy by, RunResult& run) {
   done.rotation = S.rotation;
   done.translation = S.translation;
   describe(pairs, by, done);
-  for (auto* cameras : {&run.filtered, &run.smoothed, &run.last_scale}) {
+  for (auto* cameras : {&run.filtered, &run.smoothed}) {
     for (CameraEstimate& camera : *cameras) move(S, camera);
   }
+  // Its scale, and so its pose, is another.
+  const std::vector<PosePair> in_last_scale = pair_with_truth(sequence, run.last_scale);
+  const bool has_own = by != AlignBy::kFirst && !in_last_scale.empty();
+  const Similarity own = has_own ? fit(in_last_scale, by) : S;
+  for (CameraEstimate& camera : run.last_scale) move(own, camera);
   for (LandmarkRecord& landmark : run.landmarks) move(S, landmark.estimate);
 }
 

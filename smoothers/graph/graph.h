@@ -35,8 +35,8 @@ struct ScenePrior {
   double r = 0.0;
 };
 
-// The smoothers solve, refresh the noises (Graph::refresh_noises) and solve again until no noise
-// changes by more than this [sigma]; the window so often at most.
+// A batch, and a window in smoothed(), solve, refresh the noises (Graph::refresh_noises) and solve
+// again until no noise changes by more than this [sigma]; the window so often at most.
 inline constexpr double kNegligibleNoise = 1e-7;
 inline constexpr int kMaxRefreshes = 20;
 

@@ -28,7 +28,7 @@ void halve_step(Graph& graph) {
 // there it may rise by what would not be worth a step. Nor need a part of the step lower it.
 std::optional<Optimiser::Step> Optimiser::find_step(Graph& graph, const GraphCamera& camera,
                                                     double before, double tolerance,
-                                                    bool may_not_retry, double& damping) {
+                                                    bool is_last_try, double& damping) {
   const int halvings = graph.fixed_points() ? 0 : kHalvings;
   const auto raises_cost = [&](const StepOutcome& outcome) {
     const double rise = graph.fixed_points() ? outcome.cost_of(tolerance) : kRounding;
@@ -41,7 +41,7 @@ std::optional<Optimiser::Step> Optimiser::find_step(Graph& graph, const GraphCam
     const bool is_limited = graph.limit_step();
     Step step{graph.try_step(), is_limited || damping > 0.0};
     if (!raises_cost(step.outcome)) return step;
-    if (may_not_retry) break;
+    if (is_last_try) break;
     for (int k = 0; k < halvings; ++k) {
       halve_step(graph);
       step = {graph.try_step(), true};

@@ -46,7 +46,7 @@ class Optimiser {
     bool is_short = false;  // halved, damped or limited
   };
   std::optional<Step> find_step(Graph& graph, const GraphCamera& camera, double before,
-                                double tolerance, bool may_not_retry, double& damping);
+                                double tolerance, bool is_last_try, double& damping);
   void solve_considered(Graph& graph, int iterations, double tolerance);
   void solve_considered(Graph& graph, LandmarkId id, int iterations, double tolerance);
   std::optional<Step> find_own_step(Graph& graph, LandmarkId id, double before, double tolerance,

@@ -35,7 +35,7 @@ void Marginals::prepare(std::span<const int> tracks) {
   ids_.clear();
   for (const int track : tracks) {
     const WindowLandmark& landmark = landmarks_.at(track);
-    if (!landmark.is_entering) ids_.push_back(landmark.id);  // else expect_new()
+    if (!landmark.is_entering) ids_.push_back(landmark.id);  // else rows_of_new()
   }
   equations_.prepare(graph_, ids_);
 }

@@ -12,7 +12,8 @@
 namespace slammot {
 namespace {
 
-// Solutions of a frame after which measurements at a pole are left out; more wait for the next.
+// A frame is solved again at most so often without its measurements at a pole (Graph::is_at_pole);
+// the rest waits for the next frame.
 constexpr int kMostPoles = 3;
 
 constexpr int kCeresIterations = 1000;
@@ -110,7 +111,7 @@ void Window::update(std::span<const Observation> accepted, std::span<const int> 
   departures_.reactivate(measured_);
   stages.begin("update");
   add_pixels(accepted, considered);
-  refresh_noises();
+  refresh_noises();  // constant while the frame is solved (docs/smoother.md, Chains)
   const int steps = solve();
   for (int i = 0; i < kMostPoles && leave_out_poles(); ++i) solve();
   relinearised_ += steps > 1 ? 1 : 0;

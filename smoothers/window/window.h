@@ -1,10 +1,10 @@
 // The sliding-window smoother on the thesis's models: the last N cameras, the landmarks they see,
 // and a prior that keeps what has left the window.
 //
-// Per frame, in the order of the EKF: predict, gate, marginalise what leaves, optimise, classify,
-// manage. With one frame and one iteration it is the EKF but for the devices of
-// docs/frame.md: test_equivalence. Its parts: the cameras (camera_window.h), chains of what moves
-// (window_landmark.h), what leaves (departures.h), and what is read from a factorisation
+// Per frame, in the order of the EKF: predict, gate, marginalise what leaves, optimise, read the
+// marginals, classify, collapse, manage. With one frame and one iteration it is the EKF but for the
+// devices of docs/frame.md: test_equivalence. Its parts: the cameras (camera_window.h), chains of
+// what moves (window_landmark.h), what leaves (departures.h), and what is read from a factorisation
 // (marginals.h).
 #pragma once
 

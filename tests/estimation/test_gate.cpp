@@ -250,6 +250,36 @@ TEST(FrameGate, AFalseMatchOfOneCameraCostsNoOthersPixel) {
   }
 }
 
+// Three cameras: of a landmark's 30, 31 and 32 the second is false.
+TEST(FrameGate, AFalseMatchOfOneOfThreeCamerasCostsNoOthersPixel) {
+  World world(60, 13.0, 0.5, 8);
+  for (std::size_t i = 0; i < 60; ++i) {
+    world.frame.z[i].track = static_cast<int>(i / 3);
+    world.frame.z[i].camera = static_cast<int>(i % 3);
+  }
+  world.frame.nu[31] += Eigen::Vector2d(0.0, 20.0);
+  const FrameGate gate = judged(world.frame, {0.9999, 0.9999});
+  for (std::size_t i = 0; i < 60; ++i) EXPECT_EQ(gate.accepts(i), i != 31) << i;
+}
+
+// What a page calls expected (eval/metrics): the mean of what a gate at 95% lets pass.
+TEST(FrameGate, NisOfAConsistentRigIsThatOfOneCamera) {
+  Pairs world(20, 0.0, 2.0, 9);
+  FrameGate gate({0.95, 1.0}, 1.0);
+  double sum = 0.0;
+  int passed = 0;
+  for (int k = 0; k < 1000; ++k) {
+    world.draw();
+    gate.judge(world.frame);
+    for (std::size_t i = 0; i < 40; ++i) {
+      if (!gate.accepts(i)) continue;
+      sum += gate.nis(i);
+      ++passed;
+    }
+  }
+  EXPECT_NEAR(sum / passed, 1.685, 0.03);
+}
+
 TEST(FrameGate, NisOfAPairIsOfFourDegreesOfFreedom) {
   Pairs world(10, 5.0, 1.0, 6);
   const FrameGate gate = judged(world.frame, {1.0, 1.0});

@@ -1,6 +1,7 @@
 // By how much a frame has changed the size of the world, as the past cameras in the state say.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "estimation/modules/scale_change.h"
@@ -74,6 +75,7 @@ TEST_F(ScaleChangeOf, IsNoneWhereOnlyTheFirstCameraIsLeft) {
   move(3.0);
   EXPECT_EQ(next(), 0.0);
   points_.clear();
+  EXPECT_TRUE(std::isnan(next()));  // nothing tells
   EXPECT_EQ(next(), 0.0);
 }
 

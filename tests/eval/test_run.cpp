@@ -9,6 +9,7 @@
 #include "eval/run/process.h"
 #include "eval/run/run.h"
 #include "eval/run/stage_clock.h"
+#include "eval/trajectory/align_run.h"
 #include "tests/eval/fixture.h"
 
 namespace slammot {
@@ -91,6 +92,10 @@ TEST(LastScale, AChangeLeavesTheShapeUndisturbed) {
     EXPECT_NEAR(metrics.last_scale->accuracy.value->scale, std::exp(0.1 - 0.4), 1e-12);
     EXPECT_EQ(run.last_scale.back().state.position, run.filtered.back().state.position);
     EXPECT_TRUE(run.last_scale.back().covariance.array().isNaN().all());
+    RunResult aligned = run;  // each by a fit of its own
+    align_run(sequence, AlignBy::kSim3, aligned);
+    const RunMetrics after = compute_metrics(sequence, aligned, 0.95);
+    EXPECT_LT(after.last_scale->accuracy.value->position_rmse, 1e-12);
   }
 }
 

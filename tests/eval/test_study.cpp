@@ -119,6 +119,14 @@ estimators: [{estimator: ekf}, {estimator: window}, {estimator: true_labels}, {e
     }
   }
   EXPECT_EQ(run_study(study, options).kept, 2 * 6);
+  // Nor does the time of what was computed count twice.
+  std::istringstream times(read_text_file(options.output / "timing.jsonl"));
+  for (int timed = 0, cell = 0; cell < std::ssize(study.cells); ++cell) {
+    for (int run = 0; run < study.runs && std::getline(times, line); ++run) {
+      timed += line.find("\"seconds\":0.0") == line.npos ? 1 : 0;
+    }
+    if (cell + 1 == std::ssize(study.cells)) EXPECT_EQ(timed, 2 * 6);
+  }
 }
 
 TEST_F(StudyFile, IsRefusedAtTheLineOfAScenario) {
