@@ -193,7 +193,7 @@ TEST_F(RunFolder, BadPredictionsAreNamed) {
            {"0,4,1,2,nan,0,1,-", "'nan' is not a finite number"},
            {"0,4,1,2,4,1,1,maybe", "'maybe' is neither accepted, rejected nor -"},
            {"0,4,1e300,2,4,1,1,-", "not plausible"},
-           {"0,3,1,2,4,1,1,-", "not by frame and track"},
+           {"0,3,1,2,4,1,1,-", "not by frame, track and camera"},
            {"0,4,1,2,4,1,1", "expected 8 fields, found 7"}}) {
     EXPECT_THAT(reason(row + "\n"), testing::ContainsRegex("predictions.csv:3: .*" + what));
   }
