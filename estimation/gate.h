@@ -22,11 +22,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <cmath>
 #include <span>
 #include <vector>
 
 #include "estimation/options.h"
+#include "models/chi_square.h"
 #include "models/growing_matrix.h"
 #include "models/measurement.h"
 
@@ -46,15 +48,6 @@ inline constexpr std::size_t kQuorum = 5;
 
 // S = H P H' + R: adds R of these measurements, two rows each in their order, to the diagonal.
 void add_pixel_noise(std::span<const Observation> z, double pixel_sigma, GrowingMatrix& S);
-
-// The 2-dof chi-square quantile, in closed form.
-double pixel_threshold(double probability);
-
-// log P(chi-square(2n) > x) = -x/2 + log sum_{k<n} (x/2)^k / k!, exact for even degrees of freedom.
-double log_chi_square_tail(double x, int n);
-
-// The chi-square value of 2 degrees of freedom that is as probable as `nis` of 2 `pixels`.
-double as_of_one_pixel(double nis, int pixels);
 
 class FrameGate {
  public:
@@ -89,6 +82,10 @@ class FrameGate {
     Eigen::VectorXd a, nu;
     Eigen::MatrixXd covariance;  // of nu
   };
+  static Eigen::Index row(std::size_t i) { return static_cast<Eigen::Index>(2 * i); }
+  static double squared(const Eigen::Vector2d& nu, const Block& S) {
+    return nu.dot(S.inverse() * nu);
+  }
   Block S(std::size_t i, std::size_t j) const;
   void judge_alone(const FrameInnovation& frame);
   void judge_together(const FrameInnovation& frame, std::size_t i, std::size_t end);

@@ -62,7 +62,7 @@ void fill_P_rho(const JointState& state, const Devices& devices, Innovation& inn
     if (landmark.is_free()) continue;
     innovation.products[i] = {devices.point().inverse_depth_jacobian(landmark.y),
                               innovation.predicted[i].J_world};
-    if (i > 0 && innovation.matches[i - 1].track == innovation.matches[i].track) {
+    if (innovation.is_again(i)) {
       P_rho.col(column) = P_rho.col(column - 1);  // of another camera
       continue;
     }

@@ -55,21 +55,17 @@ void add_J_w(const JointState& state, const Devices& devices, int track, const M
   P_Ht.middleRows(w.offset, w.dim) += (J_y * F_yw).transpose();
 }
 
-bool is_again(const Innovation& innovation, std::size_t i) {
-  return i > 0 && innovation.matches[i - 1].track == innovation.matches[i].track;
-}
-
 // Of a landmark that several cameras measure.
 bool is_of_many(const Innovation& innovation, std::size_t i) {
-  return is_again(innovation, i) ||
-         (i + 1 < innovation.matches.size() && is_again(innovation, i + 1));
+  return innovation.is_again(i) ||
+         (i + 1 < innovation.matches.size() && innovation.is_again(i + 1));
 }
 
 // As JointCovariance::add_columns() for anchor and y, whose columns are read once for all cameras.
 void add_gathered(const JointCovariance& P, std::array<StateBlock, 2> blocks,
                   Innovation& innovation, std::size_t i) {
   auto gathered = *innovation.columns;
-  if (!is_again(innovation, i)) {
+  if (!innovation.is_again(i)) {
     P.columns(blocks[0], gathered.leftCols<3>());
     P.columns(blocks[1], gathered.rightCols<3>());
   }
@@ -268,7 +264,7 @@ void stack_rows(Innovation& innovation) {
     const int track = innovation.matches[i].track;
     const auto row = static_cast<Index>(2 * i);
     (*innovation.r).middleRows<2>(row) = innovation.nu[i];
-    if (i > 0 && innovation.landmarks.back().track == track) {
+    if (innovation.is_again(i)) {
       ++innovation.landmarks.back().pixels;
       innovation.landmarks.back().count += 2;
     } else {

@@ -36,6 +36,8 @@ struct Innovation {
   bool has_common_second_order = false;
 
   Eigen::Index rows() const { return 2 * std::ssize(matches); }
+  // Whether match i is of the landmark of the one before, by another camera.
+  bool is_again(std::size_t i) const { return i > 0 && matches[i - 1].track == matches[i].track; }
 
   // Of the update: its rows; r is nu, after update() L^-1 nu, after nis_given_others() S^-1 nu.
   std::vector<LandmarkRows> landmarks;

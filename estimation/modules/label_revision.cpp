@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "estimation/gate.h"
+#include "models/chi_square.h"
 
 namespace slammot {
 
