@@ -101,7 +101,11 @@ struct FrameReport {
   std::vector<LandmarkEstimate> retired;  // the last word on each landmark removed
   double nis_sum = 0.0;    // sum over the accepted of their 2-dof normalised innovation squared
   double joint_nis = 0.0;  // nu' S^-1 nu of all accepted together, of 2 dof each; NaN: not stated
-  int state_size = 0;      // dimension of the error state after the frame
+  // Sums of thirty innovations of a track that ended here, and their NIS added up, of 2 dof each
+  // (modules/lasting_errors.h).
+  int lasting_sums = 0;
+  double lasting_nis = 0.0;
+  int state_size = 0;  // dimension of the error state after the frame
   // Of the log of the world's scale, as the estimator holds it: where nothing metric enters, never
   // more than was stated. NaN: not stated, as of a filter or with landmarks known beforehand.
   double scale_information = kUndefined;

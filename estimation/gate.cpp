@@ -58,6 +58,7 @@ void FrameGate::judge(const FrameInnovation& frame) {
   for (std::size_t k = 0; k < set_.size(); ++k) {
     joint_nis_ += frame.nu[set_[k]].dot((*a_).block<2, 1>(row(k), 0));
   }
+  scale_accepted();
   for (std::size_t i = 0; i < n; ++i) {
     if (!accepts(i)) nis_given_others_[i] = given_accepted(frame, i);
   }

@@ -72,6 +72,9 @@ class FrameGate {
   double nis(std::size_t i) const { return nis_[i]; }
   // Given the accepted ones; of one of these, of all accepted pixels of its landmark.
   double nis_given_others(std::size_t i) const { return nis_given_others_[i]; }
+  // Of an accepted one: its innovation given all others accepted, in units of which the covariance
+  // is the identity.
+  Eigen::Vector2d scaled_given_others(std::size_t i) const { return scaled_[i]; }
   // Whether it would pass if its landmark had moved by so many pixels (one sigma, either way).
   bool accepts_moved(const FrameInnovation& frame, std::size_t i, double moved_px) const;
   double joint_nis() const { return joint_nis_; }  // nu' S^-1 nu of all accepted
@@ -99,6 +102,7 @@ class FrameGate {
   GivenOthers landmark_given_others() const;
   std::size_t worst_of_landmark() const;
   void drop(std::size_t k);
+  void scale_accepted();
   bool may_come_in(const FrameInnovation& frame, std::size_t i) const;
   bool admit_others(const FrameInnovation& frame);
   double given_accepted(const FrameInnovation& frame, std::size_t i) const;
@@ -109,6 +113,7 @@ class FrameGate {
   bool asks_alone_ = true;
   std::vector<char> is_accepted_, passes_alone_, agrees_with_own_;
   std::vector<double> nis_, nis_given_others_;
+  std::vector<Eigen::Vector2d> scaled_;
   std::vector<std::size_t> set_, agree_, most_, passing_;  // places of measurements
   std::vector<std::size_t> landmark_;                      // of one's pixels
   GrowingMatrix S_;                                        // of all

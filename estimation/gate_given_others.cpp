@@ -113,6 +113,17 @@ void FrameGate::drop(std::size_t k) {
   is_accepted_[set_[k]] = 0;
 }
 
+// B_ii^-1 a_i has the covariance B_ii^-1: with B_ii = L L', L^-1 a_i has I.
+void FrameGate::scale_accepted() {
+  scaled_.assign(is_accepted_.size(), Eigen::Vector2d::Zero());
+  for (std::size_t k = 0; k < set_.size(); ++k) {
+    if (!accepts(set_[k])) continue;
+    const Block B_ii = (*B_).block<2, 2>(row(k), row(k));
+    const Eigen::Vector2d a_i = (*a_).block<2, 1>(row(k), 0);
+    scaled_[set_[k]] = B_ii.llt().matrixL().solve(a_i);
+  }
+}
+
 // nu_i - S_i: a given the accepted, of covariance S_ii - S_i: B S_:i.
 double FrameGate::given_accepted(const FrameInnovation& frame, std::size_t i) const {
   const auto B = *B_, a = *a_;

@@ -12,6 +12,7 @@
 #include "estimation/gate.h"
 #include "estimation/loop/landmark_manager.h"
 #include "estimation/modules/camera_noise.h"
+#include "estimation/modules/lasting_errors.h"
 #include "estimation/modules/scale_change.h"
 
 namespace slammot {
@@ -70,6 +71,7 @@ class FrameLoop final : public Estimator {
   std::unique_ptr<Belief> belief_;
   LandmarkManager manager_;
   AdaptiveCameraNoise noise_;
+  LastingErrors lasting_;
   std::optional<ScaleChange> scale_change_;  // where nothing measures the scale
   std::optional<double> timestamp_;
   // How often mechanisms have acted.

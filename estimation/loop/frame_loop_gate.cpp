@@ -52,6 +52,7 @@ void FrameLoop::split_by_gate(double dt, FrameReport& report) {
       accepted_.push_back(z);
       report.accepted_static += rests(manager_.records().at(z.track)) ? 1 : 0;
       report.nis_sum += gate_.nis(i);
+      lasting_.add(z.track, z.camera, gate_.scaled_given_others(i));
       continue;
     }
     refused_by_others_ += gate_.accepts_alone(i) && !gate_.agrees(i) ? 1 : 0;
@@ -62,6 +63,9 @@ void FrameLoop::split_by_gate(double dt, FrameReport& report) {
     explained_by_motion_.push_back({z.track, nis});
   }
   report.joint_nis = gate_.joint_nis();
+  const LastingErrors::Ended lasting = lasting_.take(manager_.records());
+  report.lasting_sums = lasting.sums;
+  report.lasting_nis = lasting.nis;
   report.accepted = static_cast<int>(accepted_.size());
   report.rejected = static_cast<int>(in_view_.size() - accepted_.size());
   report.out_of_view = static_cast<int>(measured_.size() - in_view_.size());

@@ -170,6 +170,10 @@ RunMetrics compute_metrics(const Sequence& sequence, const RunResult& run, doubl
   };
   metrics.nis.mean = per_accepted(run.totals.nis_sum);
   metrics.nis.joint_mean = per_accepted(run.totals.joint_nis);
+  metrics.nis.lasting_sums = run.totals.lasting_sums;
+  if (run.totals.lasting_sums > 0) {
+    metrics.nis.lasting_mean = run.totals.lasting_nis / run.totals.lasting_sums;
+  }
   metrics.nis.expected = gated_mean(gate_probability, metrics.nis.dof);
   metrics.measurements = measurement_counts(run);
   metrics.runtime = runtime_metrics(run.timing, run.smoothing_ms, run.batch);

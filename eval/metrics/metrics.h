@@ -38,6 +38,9 @@ struct NisMetrics {
   // Of all accepted of a frame together, over their number: what they share counts once. 2 is
   // right.
   double joint_mean = 0.0;
+  int lasting_sums = 0;
+  // Of sums of thirty innovations of a track (lasting_errors.h): 2 where they are independent.
+  double lasting_mean = kUndefined;
 };
 
 struct MeasurementCounts {

@@ -145,6 +145,13 @@ double nis_sum(const Json& mean, int accepted) {
   return mean.is_number() ? plausible_number(mean, kMostSigmas * kMostSigmas) * accepted : 0.0;
 }
 
+// Runs of before have none.
+void restore_lasting(const Json& nis, FrameCounts& totals) {
+  if (!nis.contains("lasting_mean") || nis["lasting_mean"].is_null()) return;
+  totals.lasting_sums = nis.at("lasting_sums").get<int>();
+  totals.lasting_nis = nis_sum(nis.at("lasting_mean"), totals.lasting_sums);
+}
+
 // Shares of what was stated are written.
 void restore_scale(const Json& metrics, ScaleInformation& scale) {
   const auto number = [&](const char* leaf) {
@@ -253,6 +260,7 @@ void restore_totals(const Json& metrics, RunResult& run) {
   totals.negative_inverse_depth = counts.negative_inverse_depth;
   totals.nis_sum = nis_sum(metrics.at("nis").at("mean"), totals.accepted);
   totals.joint_nis = nis_sum(metrics.at("nis").at("joint_mean"), totals.accepted);
+  restore_lasting(metrics.at("nis"), totals);
   restore_scale(metrics, run.scale);
   run.smoothing_ms = plausible_number(metrics.at("runtime").at("smoothing_ms"), kLargest);
   run.diverged = divergence_of(metrics.at("divergence"));

@@ -32,6 +32,8 @@ struct FrameCounts {
   int state_size = 0;
   double nis_sum = 0.0;    // over the accepted, each on its own
   double joint_nis = 0.0;  // of the accepted of a frame together
+  int lasting_sums = 0;    // FrameReport has these two
+  double lasting_nis = 0.0;
 };
 
 // FrameReport::scale_information over a run: after its first frame, where only statements tell the

@@ -43,7 +43,9 @@ FrameCounts counts_of(const FrameReport& report) {
           .negative_inverse_depth = report.negative_inverse_depth,
           .state_size = report.state_size,
           .nis_sum = report.nis_sum,
-          .joint_nis = report.joint_nis};
+          .joint_nis = report.joint_nis,
+          .lasting_sums = report.lasting_sums,
+          .lasting_nis = report.lasting_nis};
 }
 
 void add_to(FrameCounts& totals, const FrameCounts& counts) {
@@ -57,6 +59,8 @@ void add_to(FrameCounts& totals, const FrameCounts& counts) {
   totals.state_size = std::max(totals.state_size, counts.state_size);
   totals.nis_sum += counts.nis_sum;
   totals.joint_nis += counts.joint_nis;
+  totals.lasting_sums += counts.lasting_sums;
+  totals.lasting_nis += counts.lasting_nis;
 }
 
 void add_scale(double information, RunResult& result) {

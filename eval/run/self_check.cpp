@@ -21,9 +21,11 @@ constexpr size_t kBurst = 5;             // and over these: a sudden loss, befor
 constexpr int kLeastMeasurements = 100;  // of a sum, else it says nothing
 constexpr int kLeastOfBurst = 30;
 
-constexpr double kNisOfOne = 2.0;   // the joint NIS of a consistent estimator, a measurement
-constexpr double kTooMuch = 2.0;    // times that: the stated noise is too small, or the path wrong
-constexpr double kTooLittle = 0.1;  // times that: the stated noise is three times too large
+constexpr double kNisOfOne = 2.0;    // the joint NIS of a consistent estimator, a measurement
+constexpr double kTooMuch = 2.0;     // times that: the stated noise is too small, or the path wrong
+constexpr double kTooLittle = 0.1;   // times that: the stated noise is three times too large
+constexpr int kLeastLasting = 30;    // sums of a run
+constexpr double kTooLasting = 3.0;  // times the NIS of independent ones
 constexpr double kMostRejected = 0.15;  // a gate rejects a twentieth of right matches
 constexpr double kMostRejectedOfBurst = 0.5;
 constexpr int kLeastStatic = 5;  // used; three hold a camera, four cannot tell which is wrong
@@ -40,6 +42,8 @@ struct Sums {
   size_t frames = 0, with_few_static = 0;
   int accepted = 0, accepted_static = 0, offered = 0;
   double joint_nis = 0.0;
+  int lasting_sums = 0;
+  double lasting_nis = 0.0;
 
   double rejected() const {
     return offered == 0 ? 0.0 : 1.0 - static_cast<double>(accepted) / offered;
@@ -55,6 +59,8 @@ Sums sums_of(const std::vector<FrameCounts>& counts, size_t first, size_t frames
     sums.offered += c.accepted + c.rejected + c.out_of_view;
     sums.with_few_static += c.accepted > 0 && c.accepted_static < kLeastStatic ? 1 : 0;
     sums.joint_nis += c.joint_nis;
+    sums.lasting_sums += c.lasting_sums;
+    sums.lasting_nis += c.lasting_nis;
   }
   return sums;
 }
@@ -100,6 +106,21 @@ std::optional<RunWarning> noise_is_too_large(const RunResult& run) {
                                 "stated noise of the pixels is more than three times too large, "
                                 "and so are the covariances",
                                 nis, kNisOfOne)};
+}
+
+// Of the whole run. A frame's own NIS is right where sigma is, and a covariance that takes each
+// error for new is not, where errors last.
+std::optional<RunWarning> errors_last(const RunResult& run) {
+  const Sums s = sums_of(run.counts, 0, run.counts.size());
+  if (s.lasting_sums < kLeastLasting) return std::nullopt;
+  const double nis = s.lasting_nis / s.lasting_sums;
+  if (!(nis > kTooLasting * kNisOfOne)) return std::nullopt;
+  return RunWarning{
+      run.frames.front(),
+      fmt::format("NIS {:.1f} of the sum of 30 innovations of a track where {:.0f} is right, over "
+                  "the whole run: what tracks are off lasts, and covariances that take it for new "
+                  "in each frame are too small",
+                  nis, kNisOfOne)};
 }
 
 std::string rejected_text(const Sums& s) {
@@ -255,6 +276,7 @@ std::vector<RunWarning> self_check(const RunResult& run, std::span<const Rotatio
   check(kFrames, nothing_is_used);
   check(kFrames, hardly_any_is_static);
   if (auto warning = noise_is_too_large(run)) warnings.push_back(std::move(*warning));
+  if (auto warning = errors_last(run)) warnings.push_back(std::move(*warning));
   if (auto warning = labels_have_collapsed(run)) warnings.push_back(std::move(*warning));
   if (auto warning = nothing_static(run)) warnings.push_back(std::move(*warning));
   if (auto warning = all_on_one_line(run)) warnings.push_back(std::move(*warning));

@@ -29,7 +29,14 @@ MetricTable nis_rows() {
           on_terminal(row("nis_joint", "joint_mean", "joint NIS",
                           "NIS of all accepted of a frame together, over their number; 2 is right "
                           "with an open gate, the expected NIS where errors are independent",
-                          &N::joint_mean))};
+                          &N::joint_mean)),
+          pooled(count(row("nis_lasting_sums", "lasting_sums", "sums of 30 innovations",
+                           "of a track, over the run", &N::lasting_sums)),
+                 Pooled::kNot),
+          on_terminal(row("nis_lasting", "lasting_mean", "NIS of 30",
+                          "NIS of the sum of thirty innovations of a track, given all others; 2 "
+                          "where they are independent, more where what a track is off lasts",
+                          &N::lasting_mean))};
 }
 
 // What an estimator without known landmarks believes to know of the scale, over what was stated.

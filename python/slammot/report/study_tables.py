@@ -237,6 +237,7 @@ def summary_cells(group, cell):
         "RMSE over ideal sigma": (number(over_ideal.get("position")), ""),
         "the same, median run": (with_interval(over_ideal.get("median")), ""),
         "joint NIS (2)": (with_interval(cell.get("nis_joint")), ""),
+        "NIS of 30 (2)": (with_interval(cell.get("nis_lasting")), ""),
         "time per frame [ms]": (number(frame_ms(cell)), "")}
 
 
@@ -255,13 +256,13 @@ def summary_table(summary):
         f"{failure_bound(False)} (where the truth is measured: {failure_bound(True)}), has diverged when its state is no longer finite, and warns where its own numbers "
         "speak against it, without any truth. RMSE is over the runs that did not diverge; of a batch, values are smoothed ones. RMSE over ideal sigma: ratio to the standard deviation of the ideal covariance, that of an EKF "
         "linearised at the truth, with known labels, the fixed depth prior and no gate; its row gives it. It is no bound. Joint NIS: of all accepted measurements of "
-        "a frame together, a measurement; 2 is right with an open gate. "
+        "a frame together, a measurement; 2 is right with an open gate. NIS of 30: of the sum of thirty innovations of a track; more than 2 where its errors last. "
         f"{IN_LAST_SCALE if LAST_SCALE in order else ''}Other numbers: table Metrics.",
         ["scenario", "estimator"] + order, rows, classes)
 
 
 ORDER = ("runs", "failed", "diverged", "warned", "failed, not warned", "ATE Sim(3) [m]", LAST_SCALE, "scale", "position RMSE [m]", "ANEES pose (6)", "frames inside",
-         "ANEES position (3)", "joint NIS (2)", "RMSE over ideal sigma", "the same, median run", "time per frame [ms]")
+         "ANEES position (3)", "joint NIS (2)", "NIS of 30 (2)", "RMSE over ideal sigma", "the same, median run", "time per frame [ms]")
 
 NAMED = 3  # runs
 
