@@ -21,6 +21,7 @@
 #include "datasets/text/number.h"
 #include "datasets/text/text_table.h"
 #include "eval/provenance/provenance.h"
+#include "frontend/masks/mask_odds.h"
 #include "frontend/rendering/render.h"
 #include "frontend/tracking/track_images.h"
 
@@ -39,6 +40,7 @@ struct TrackArguments {
   std::string initial_velocity;          // VX,VY,VZ (W) [m/s]
   std::optional<double> velocity_sigma;  // [m/s]
   std::string known;                     // a file as known.csv
+  std::string masks;                     // a folder; empty: none
   std::string noise = kCommon;
   bool force = false;
   TrackOptions options;
@@ -130,6 +132,18 @@ void state_known(const Path& file, Sequence& sequence) {
   }
 }
 
+// And a line about it, for people.
+std::string state_odds(const std::vector<Path>& masks, const Sequence& images,
+                       TrackedImages& tracked) {
+  MaskOdds odds = odds_by_masks(masks, images, tracked.sequence);
+  for (std::string& warning : odds.warnings) tracked.warnings.push_back(std::move(warning));
+  tracked.sequence.p_static = std::move(odds.p_static);
+  const auto moving = std::ranges::count_if(tracked.sequence.p_static,
+                                            [](const auto& said) { return said.second < 0.5; });
+  return fmt::format("masks: {} of {} tracks move rather than rest", moving,
+                     tracked.sequence.p_static.size());
+}
+
 std::string health_text(const TrackHealth& health) {
   return fmt::format(
       "{} tracks from an image to the next (median), {:.1f}% lost there; a track lives {} images "
@@ -207,6 +221,8 @@ int execute(TrackArguments arguments) {
   }
   if (arguments.noise == kAlignment) arguments.options.noise = NoiseModel::kAlignment;
   const ImagesToTrack images = find_images(arguments.source);
+  std::vector<Path> masks;  // before hours of tracking
+  if (!arguments.masks.empty()) masks = find_masks(arguments.masks, images.sequence);
   require_output(arguments.output, kSequenceOutput, arguments.force, arguments.source.images);
   require_own_files(arguments.output);
   require_own_mark(arguments.output, kTrackingOutput);
@@ -221,10 +237,11 @@ int execute(TrackArguments arguments) {
   state_velocity(arguments, tracked.sequence);
   if (!arguments.known.empty()) state_known(arguments.known, tracked.sequence);
   add_room_truth(arguments.source.images, tracked.sequence);
+  auto beside = beside_texts(images.sequence, tracked.sequence.frames);
+  if (!masks.empty()) beside.push_back(state_odds(masks, images.sequence, tracked));
   relocate_images(arguments.output, tracked.sequence);
   OutputFiles files;
   add_native(tracked.sequence, arguments.output, NativeParts::kAll, files);
-  const auto beside = beside_texts(images.sequence, tracked.sequence.frames);
   add_description(arguments, tracked, beside, files);
   files.put_in_place();
   print_summary(images, tracked, beside, seconds, arguments);
@@ -261,6 +278,12 @@ void add_track(CLI::App& app, int& exit_code) {
       ->add_option("--known", arguments->known,
                    "landmarks known beforehand, as in known.csv: track,x,y,z,sigma; tracks repeat")
       ->type_name("FILE");
+  command
+      ->add_option(
+          "--masks", arguments->masks,
+          "an image for each frame, of its name or in order: grey 0 rests, 255 moves; into "
+          "priors.csv")
+      ->type_name("FOLDER");
   command->add_flag("--force", arguments->force, kForceHelp);
   command->add_option("--points", options.tracker.corners.count, "corners looked for in an image")
       ->check(CLI::Range(8, 10000))

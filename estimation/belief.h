@@ -77,7 +77,7 @@ class Belief {
   virtual void leave_one_out(std::vector<LeaveOneOut>& result) = 0;
 
   // Marginals of landmarks that update() used: rho of static ones at first sight, w of free ones.
-  // The manager fills in MotionBelief::prior_sigmas.
+  // The manager fills in MotionBelief::prior_sigmas and outside.
   virtual void inverse_depths(std::span<const int> tracks, std::vector<SeenDepth>& result) = 0;
   virtual void motions(std::span<const int> tracks, std::vector<MotionBelief>& result) = 0;
 

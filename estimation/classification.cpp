@@ -1,6 +1,7 @@
 #include "estimation/classification.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -71,20 +72,23 @@ class ThesisClassifier final : public Classifier {
   ClassifierOptions options_;
 };
 
-// Posterior odds of static to moving: the prior odds times the Savage-Dickey ratio. What was found
+// Posterior odds of static to moving: the prior odds, a track's own where they come from outside,
+// times the Savage-Dickey ratio. What was found
 // to move is at rest again only against the evidence that it moved: its noise lets the belief
 // forget that.
 class OddsClassifier final : public Classifier {
  public:
   explicit OddsClassifier(const ClassifierOptions& options) : options_(options) {}
+  bool weighs_odds() const override { return true; }
 
   Label decide(const MotionBelief& belief, ClassifierMemory& memory) const override {
     const auto log_ratio = log_odds_ratio_of_rest(belief);
     if (!log_ratio) return Label::kUnknown;
-    const double log_odds = std::log(options_.prior_odds) + *log_ratio;
+    const double log_odds = std::log(options_.prior_odds) + *log_ratio + belief.outside;
     const double decisive = std::log(options_.decisive_odds);
     if (log_odds < -decisive) {
-      memory = {decisive};
+      // What was said from outside is not forgotten, and no evidence that it moved.
+      memory = {std::max(0.0, decisive + belief.outside)};
       return Label::kMoving;
     }
     const double against = memory.empty() ? 0.0 : memory.front();

@@ -22,6 +22,7 @@ struct MotionBelief {
   MotionMatrix covariance;
   MotionVector prior_sigmas;   // of each number of w at first sight
   double density_scale = 1.0;  // density of v at rest = density_scale * density of w's first three
+  double outside = 0.0;        // evidence of rest from outside (modules/outside_odds.h), a log
 
   // Of the first three, which say the velocity.
   Eigen::Vector3d velocity_part() const { return w.head<3>(); }
@@ -52,6 +53,8 @@ class Classifier {
   virtual ~Classifier() = default;
   // A label that needs no measurement; unknown where there is none (thesis 3.1.3).
   virtual Label at_birth(int /*track*/) const { return Label::kUnknown; }
+  // Whether it weighs MotionBelief::outside.
+  virtual bool weighs_odds() const { return false; }
   // The label of a landmark that is unknown so far, or moving and possibly not any more; also of a
   // static one by the motion it would have (LabelOptions::memory): "moving" takes its label back.
   virtual Label decide(const MotionBelief& belief, ClassifierMemory& memory) const = 0;

@@ -33,6 +33,7 @@ struct Setup {
   LandmarkPrior prior;
   InitialCamera initial;
   std::vector<KnownLandmark> known;
+  std::map<int, double> p_static;      // by track, from outside (modules/outside_odds.h)
   std::map<int, Label> true_labels;    // by track; read by the classifier `truth` only
   std::shared_ptr<const Truth> truth;  // read by linearisation `ideal` only; may be none
 

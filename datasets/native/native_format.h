@@ -14,9 +14,11 @@ inline constexpr std::string_view kObservations = "observations.csv";
 inline constexpr std::string_view kGroundTruth = "groundtruth.tum";
 inline constexpr std::string_view kLandmarks = "landmarks.csv";
 inline constexpr std::string_view kKnown = "known.csv";
+inline constexpr std::string_view kPriors = "priors.csv";
 inline constexpr std::string_view kInitial = "initial.yaml";
-inline constexpr std::string_view kFileNames[] = {
-    kSettings, kFrames, kOtherImages, kObservations, kGroundTruth, kLandmarks, kKnown, kInitial};
+inline constexpr std::string_view kFileNames[] = {kSettings,     kFrames,      kOtherImages,
+                                                  kObservations, kGroundTruth, kLandmarks,
+                                                  kKnown,        kPriors,      kInitial};
 
 inline constexpr std::string_view kFramesHeader = "frame,timestamp";
 inline constexpr std::string_view kFramesWithImagesHeader = "frame,timestamp,image";
@@ -27,5 +29,6 @@ inline constexpr std::string_view kCameraColumn = "camera";
 inline constexpr std::string_view kDepthColumns = "depth,depth_sigma";
 inline constexpr std::string_view kLandmarksHeader = "track,frame,class,x,y,z,vx,vy,vz";
 inline constexpr std::string_view kKnownHeader = "track,x,y,z,sigma";
+inline constexpr std::string_view kPriorsHeader = "track,p_static";
 
 }  // namespace slammot::native

@@ -99,8 +99,12 @@ Sequence read_native(const std::filesystem::path& path) {
   if (const auto known = folder.optional(native::kKnown)) {
     sequence.known = read_known(known->file, known->text);
   }
+  if (const auto priors = folder.optional(native::kPriors)) {
+    sequence.p_static = read_priors(priors->file, priors->text);
+  }
   read_first_camera(folder, sequence);
   for (std::string& hint : frame_hints(sequence)) sequence.hints.push_back(std::move(hint));
+  if (auto hint = prior_hint(sequence)) sequence.hints.push_back(std::move(*hint));
   if (auto hint = leave_out_rayless(sequence)) sequence.hints.push_back(std::move(*hint));
   sequence.sha256 = folder.sha256();
   return sequence;

@@ -221,4 +221,20 @@ std::vector<KnownLandmark> read_known(const std::filesystem::path& file, std::st
   return known;
 }
 
+std::map<int, double> read_priors(const std::filesystem::path& file, std::string_view text) {
+  constexpr std::string_view headers[] = {native::kPriorsHeader};
+  TextTable table(file, text);
+  table.expect_header(headers);
+  std::map<int, double> p_static;
+  while (table.next_comma_row(2)) {
+    const int track = table.count(0);
+    const double p = table.real(1);
+    if (!(p >= 0.0 && p <= 1.0)) table.refuse(fmt::format("a probability is 0 to 1, not {}", p));
+    if (!p_static.emplace(track, p).second) {
+      table.refuse(fmt::format("track {} stands twice", track));
+    }
+  }
+  return p_static;
+}
+
 }  // namespace slammot

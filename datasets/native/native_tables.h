@@ -27,4 +27,7 @@ std::map<int, TrueLandmark> read_landmarks(const std::filesystem::path& file, st
 // known.csv.
 std::vector<KnownLandmark> read_known(const std::filesystem::path& file, std::string_view text);
 
+// priors.csv: probabilities of rest, by track.
+std::map<int, double> read_priors(const std::filesystem::path& file, std::string_view text);
+
 }  // namespace slammot

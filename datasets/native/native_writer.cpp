@@ -176,6 +176,13 @@ Text known_text(const Sequence& s) {
   return text;
 }
 
+Text priors_text(const Sequence& s) {
+  Text text;
+  put(text, "{}\n", native::kPriorsHeader);
+  for (const auto& [track, p] : s.p_static) put(text, "{},{}\n", track, p);
+  return text;
+}
+
 Text initial_text(const InitialCamera& initial) {
   Text text;
   const CameraState& x = initial.state;
@@ -200,6 +207,7 @@ Texts texts_of(const Sequence& s, NativeParts parts) {
   if (!s.truth.empty()) add(native::kGroundTruth, poses_text(s));
   if (!s.landmarks.empty()) add(native::kLandmarks, landmarks_text(s));
   if (!s.known.empty()) add(native::kKnown, known_text(s));
+  if (!s.p_static.empty()) add(native::kPriors, priors_text(s));
   if (s.initial) add(native::kInitial, initial_text(*s.initial));
   Text head;
   put(head, "{}: sequence.yaml", kSequenceOutput.begins);
@@ -228,6 +236,7 @@ void require_readable(const std::filesystem::path& folder, const Texts& texts,
   visit(native::kLandmarks,
         [&](File file, Content text) { read_landmarks(file, text, read.frames.size()); });
   visit(native::kKnown, [](File file, Content text) { read_known(file, text); });
+  visit(native::kPriors, [](File file, Content text) { read_priors(file, text); });
   visit(native::kInitial, [](File file, Content text) { read_initial(file, text); });
   if (read.name != sequence.name || read.images != sequence.images ||
       read.other_images != sequence.other_images) {

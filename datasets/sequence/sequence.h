@@ -41,6 +41,7 @@ struct Sequence {
                                                   // are central differences, exact when simulated
   std::map<int, TrueLandmark> landmarks;          // by track
   std::vector<KnownLandmark> known;
+  std::map<int, double> p_static;  // priors.csv: probability of rest from outside, by track
   std::optional<InitialCamera> initial;
   bool exact_truth = false;        // true for simulated data, where NEES means something
   std::vector<std::string> hints;  // what its reader found hardly meant, see sequence_hints.h

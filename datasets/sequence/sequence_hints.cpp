@@ -112,4 +112,14 @@ Hints frame_hints(const Sequence& sequence) {
   return hints;
 }
 
+std::optional<std::string> prior_hint(const Sequence& sequence) {
+  std::map<int, double> unseen = sequence.p_static;
+  for (const Frame& frame : sequence.frames) {
+    for (const Observation& z : frame.observations) unseen.erase(z.track);
+  }
+  if (2 * unseen.size() < sequence.p_static.size() || unseen.empty()) return std::nullopt;
+  return fmt::format("priors.csv: {} of {} tracks, as track {}, are measured in no frame",
+                     unseen.size(), sequence.p_static.size(), unseen.begin()->first);
+}
+
 }  // namespace slammot

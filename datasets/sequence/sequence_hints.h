@@ -21,6 +21,10 @@ Hints frame_hints(const Sequence& sequence);
 // else empty. `first`, `last`: [s], as read.
 std::string unit_clue(double first, double last, const std::vector<Frame>& frames);
 
+// Where half of the tracks with odds from outside are measured in no frame: they may be those of
+// another tracking.
+std::optional<std::string> prior_hint(const Sequence& sequence);
+
 // Measurements that no ray of the lens explains are taken out; what that leaves out, if any.
 std::optional<std::string> leave_out_rayless(Sequence& sequence);
 

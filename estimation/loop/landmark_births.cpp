@@ -58,10 +58,12 @@ void LandmarkManager::initialise_new(const Frame& frame, int visible, Belief& be
     if (records_.size() >= most) break;
     LandmarkPrior prior = depth_prior_.of_new();
     const FirstSight seen = first_sight_of(frame, z, prior);
-    TrackRecord record = record_at_birth(z.track, frame.index, frame.index == first_frame_,
-                                         classifier_->at_birth(z.track), births_, prior);
+    TrackRecord record =
+        record_at_birth(z.track, frame.index, frame.index == first_frame_,
+                        classifier_->at_birth(z.track), outside_.births(z.track, births_), prior);
     if (!belief.add(seen, prior, !rests(record) || record.is_held)) continue;
     if (record.is_held) tracks_.push_back(z.track);
+    with_odds_ += outside_.speaks_of(z.track) ? 1 : 0;
     records_[z.track] = std::move(record);
     ++report.admitted;
   }

@@ -16,6 +16,8 @@ LandmarkManager::LandmarkManager(const Setup& setup, const ModelOptions& models,
       rig_(setup.rig()),
       classifier_(
           make_classifier(classifier_for(functions_, models.classifier), setup.true_labels)),
+      outside_(classifier_->weighs_odds() ? setup.p_static : std::map<int, double>{},
+               models.classifier.prior_odds),
       depth_prior_(learns_depths(models.depth_prior, setup.initial, setup.knows_scale()),
                    setup.prior),
       truth_(std::move(truth_of_jacobians)),
@@ -73,8 +75,8 @@ void LandmarkManager::classify(int frame, std::span<const Observation> accepted,
     if (is_asked(records_.at(z.track), models_.labels)) tracks_.push_back(z.track);
   }
   belief.motions(tracks_, motions_);
-  complete_motions();
-  for (const MotionBelief& motion : motions_) {
+  for (MotionBelief& motion : motions_) {
+    complete(motion);
     TrackRecord& record = records_.at(motion.track);
     const Label before = record.label;
     note_answer(record, answer(motion, record), frame);
@@ -126,7 +128,7 @@ std::optional<MotionAnswer> LandmarkManager::ask_remembered(std::size_t i) {
   auto motion = remembered_.motion(i, functions_);
   if (!motion) return std::nullopt;
   TrackRecord& record = records_.at(motion->track);
-  motion->prior_sigmas = functions_.prior_sigmas(record.prior);
+  complete(*motion);
   if (record.is_held && record.observations < models_.labels.sightings) {
     return MotionAnswer{*motion, Label::kUnknown};
   }
@@ -164,10 +166,9 @@ void LandmarkManager::apply(const Undoing& undoing, Belief& belief) {
 }
 
 // With what the classifier asks besides.
-void LandmarkManager::complete_motions() {
-  for (MotionBelief& motion : motions_) {
-    motion.prior_sigmas = functions_.prior_sigmas(records_.at(motion.track).prior);
-  }
+void LandmarkManager::complete(MotionBelief& motion) const {
+  motion.prior_sigmas = functions_.prior_sigmas(records_.at(motion.track).prior);
+  motion.outside = outside_.evidence(motion.track);
 }
 
 Label LandmarkManager::answer(const MotionBelief& motion, TrackRecord& record) const {
@@ -217,6 +218,12 @@ void LandmarkManager::in_force(InForce& result) const {
   const bool odds = m.classifier.name == "odds";
   result.push_back({"labels by posterior odds", "classifier", odds && can_move, odds ? at_rest : "",
                     odds ? answered_ : 0});
+  if (!setup_.p_static.empty()) {
+    const bool weighs = classifier_->weighs_odds();
+    const std::string other = can_move ? "classifier=" + m.classifier.name : at_rest;
+    result.push_back(
+        {"births with odds from outside", "priors.csv", weighs, weighs ? "" : other, with_odds_});
+  }
   const bool held = labels.births == Births::kHeld;
   const std::string not_held = held ? (remembers ? no_memory : "labels.memory=0") : "";
   const bool holds = births_ == Births::kHeld;

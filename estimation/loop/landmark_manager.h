@@ -7,6 +7,7 @@
 
 #include "estimation/belief.h"
 #include "estimation/modules/label_revision.h"
+#include "estimation/modules/outside_odds.h"
 
 namespace slammot {
 
@@ -50,7 +51,7 @@ class LandmarkManager {
   std::optional<MotionAnswer> ask_remembered(std::size_t i);
   void note_motions(int frame);
   void apply(const Undoing& undoing, Belief& belief);
-  void complete_motions();  // motions_
+  void complete(MotionBelief& motion) const;
   Label answer(const MotionBelief& motion, TrackRecord& record) const;
   void remove(Belief& belief, FrameReport& report);  // tracks_
   FirstSight first_sight_of(const Frame& frame, const Observation& z, LandmarkPrior& prior) const;
@@ -61,6 +62,7 @@ class LandmarkManager {
   const LandmarkFunctions& functions_;
   Rig rig_;
   std::unique_ptr<Classifier> classifier_;
+  OutsideOdds outside_;
   DepthPrior depth_prior_;
   std::shared_ptr<const Truth> truth_;
   std::map<int, KnownLandmark> known_;  // stated, not measured yet
@@ -70,7 +72,7 @@ class LandmarkManager {
   int memory_;     // frames for which the motion of a static landmark is remembered
   Births births_;  // as they act
   long undone_ = 0, released_ = 0, answered_ = 0, collapsed_ = 0, learnt_ = 0, held_ = 0,
-       let_go_ = 0;
+       let_go_ = 0, with_odds_ = 0;
 
   // Of the frame in hand; kept for their memory.
   std::vector<int> tracks_, now_static_;

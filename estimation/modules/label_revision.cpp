@@ -38,7 +38,7 @@ Evidence evidence_of(const MotionBelief& motion, const TrackRecord& record) {
 bool is_in_doubt(const TrackRecord& record, const MotionBelief& motion) {
   if (!record.is_held || record.observations < 2) return false;
   const auto log_ratio = log_odds_ratio_of_rest(motion);
-  return log_ratio && *log_ratio < std::log(kInDoubt);
+  return log_ratio && *log_ratio + motion.outside < std::log(kInDoubt);
 }
 
 bool is_rejected(const TrackRecord& record, const MotionAnswer& answer) {

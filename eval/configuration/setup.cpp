@@ -142,6 +142,7 @@ Setup make_setup(const Sequence& sequence, const Configuration& configuration) {
   setup.initial = initial_camera(sequence);
   setup.prior = landmark_prior(sequence, setup.initial, configuration);
   setup.known = sequence.known;
+  setup.p_static = sequence.p_static;
   for (const auto& [track, landmark] : sequence.landmarks) {
     setup.true_labels[track] = landmark.label;
   }

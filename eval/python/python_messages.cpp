@@ -80,6 +80,11 @@ Json setup_message(const Setup& setup) {
     known["positions"].push_back(numbers(landmark.position));
     known["sigmas"].push_back(landmark.sigma);
   }
+  Json p_static = {{"tracks", Json::array()}, {"values", Json::array()}};
+  for (const auto& [track, p] : setup.p_static) {
+    p_static["tracks"].push_back(track);
+    p_static["values"].push_back(p);
+  }
   Json initial = state_json(setup.initial.state);
   initial["sigmas"] = numbers(setup.initial.sigmas());
   Json others = Json::array();
@@ -95,7 +100,8 @@ Json setup_message(const Setup& setup) {
           {"angular_acceleration", setup.camera_noise.angular_acceleration},
           {"prior", prior_json(setup.prior)},
           {"initial", initial},
-          {"known", known}};
+          {"known", known},
+          {"p_static", p_static}};
 }
 
 Json frame_message(const Frame& frame) {

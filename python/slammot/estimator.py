@@ -51,6 +51,7 @@ class Setup:
     known: KnownLandmarks
     configuration: dict          # every configuration key and its value, as text
     other_cameras: tuple = ()    # Camera 1 and on of a rig; poses are those of camera 0
+    p_static: dict = field(default_factory=dict)  # probability of rest from outside, by track; of others nothing is said
 
 
 @dataclass(frozen=True)

@@ -122,7 +122,7 @@ def read_study(folder):
 
 @dataclass
 class Sequence:
-    """A sequence's folder. `truth` has the columns of a trajectory; `landmarks` and `known` are None if not stated."""
+    """A sequence's folder. `truth` has the columns of a trajectory; `landmarks`, `known` and `priors` are None if not stated."""
     folder: pathlib.Path
     name: str
     camera: Camera
@@ -136,6 +136,7 @@ class Sequence:
     initial: dict = field(default_factory=dict)   # initial.yaml
     other_cameras: tuple = ()                     # of a rig, from camera 1 on
     other_images: pandas.DataFrame = None         # frame, camera, image
+    priors: pandas.DataFrame = None               # track, p_static
 
     def measured_by(self, camera):
         """The observations of one camera of the rig."""
@@ -174,5 +175,6 @@ def read_sequence(folder):
                     pixel_sigma=float(settings["pixel_sigma"]), frames=_images(_file(folder, "frames.csv")),
                     observations=observations, truth=_trajectory(_file(folder, "groundtruth.tum", required=False)),
                     landmarks=_table(_file(folder, "landmarks.csv", required=False)),
-                    known=_table(_file(folder, "known.csv", required=False)), settings=settings,
+                    known=_table(_file(folder, "known.csv", required=False)),
+                    priors=_table(_file(folder, "priors.csv", required=False)), settings=settings,
                     initial=_yaml(_file(folder, "initial.yaml", required=False)))

@@ -64,7 +64,8 @@ def setup_of(message):
                                               np.array(known["positions"], float).reshape(-1, 3),
                                               np.array(known["sigmas"], float)),
                      configuration=message["configuration"],
-                     other_cameras=tuple(camera_of(other) for other in message["other_cameras"]))
+                     other_cameras=tuple(camera_of(other) for other in message["other_cameras"]),
+                     p_static=dict(zip(message["p_static"]["tracks"], message["p_static"]["values"])))
 
 
 def frame_of(message):

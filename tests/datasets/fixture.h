@@ -34,6 +34,7 @@ inline const std::map<std::string, std::string> kGood = {
      "track,frame,class,x,y,z,vx,vy,vz\n3,0,static,1,2,3,0,0,0\n"
      "5,0,moving,1,2,3,0,0,1\n5,1,moving,1,2,4,0,0,1\n"},
     {"known.csv", "track,x,y,z,sigma\n3,1,2,3,0.001\n"},
+    {"priors.csv", "track,p_static\n3,0.9\n5,0\n"},
     {"initial.yaml",
      "position: [0, 0, 1]\nquaternion: [0, 0, 0, 1]\nvelocity: [0, 0, 0.5]\n"
      "angular_velocity: [0, 0.1, 0]\n"

@@ -83,6 +83,7 @@ Sequence any_sequence() {
     s.landmarks[3] = {Label::kStatic, {{0, {vector_within(1e9), vector_within(10.0)}}}};
     s.known.push_back({3, vector_within(1e9), within(1e-6, 1.0)});
   }
+  if (*rc::gen::arbitrary<bool>()) s.p_static = {{3, within(0.0, 1.0)}, {7, 1.0}};
   if (*rc::gen::arbitrary<bool>()) s.initial = InitialCamera{any_camera(), 1e-6, 1e-6, 0.1, 0.1};
   return s;
 }
@@ -113,6 +114,7 @@ RC_GTEST_PROP(ReaderLaws, WhatIsWrittenIsReadBack, ()) {
   if (a.prior) RC_ASSERT(a.prior->mean_sigma == b.prior->mean_sigma);
   RC_ASSERT(a.landmarks.size() == b.landmarks.size());
   RC_ASSERT(a.known.size() == b.known.size());
+  RC_ASSERT(a.p_static == b.p_static);
   if (!a.known.empty()) {
     RC_ASSERT(a.known[0].position == b.known[0].position);
     RC_ASSERT(a.landmarks.at(3).at(0)->velocity == b.landmarks.at(3).at(0)->velocity);

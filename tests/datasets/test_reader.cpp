@@ -34,6 +34,7 @@ TEST(NativeReader, ReadsEverything) {
   EXPECT_EQ(s.landmarks.at(5).at(2), nullptr);
   EXPECT_EQ(s.landmarks.at(3).at(2)->position, Eigen::Vector3d(1, 2, 3));
   EXPECT_EQ(s.known.at(0).sigma, 0.001);
+  EXPECT_EQ(s.p_static, (std::map<int, double>{{3, 0.9}, {5, 0.0}}));
   EXPECT_EQ(s.initial->state.velocity, Eigen::Vector3d(0, 0, 0.5));
   EXPECT_EQ(s.initial->angular_velocity_sigma, 0.2);
   EXPECT_TRUE(s.exact_truth);
@@ -60,12 +61,30 @@ TEST(NativeReader, OptionalFilesMayBeAbsent) {
   EXPECT_FALSE(s.exact_truth);
 }
 
+// A line of a track that the sequence does not have is no error, as in landmarks.csv; a file of
+// another tracking is hinted.
+TEST(NativeReader, HintsAtOddsOfTracksThatNobodyMeasures) {
+  test::TemporaryFolder folder;
+  test::write_good(folder.path());
+  const auto hints = [&](const std::string& rows) {
+    test::write_text(folder.path() / "priors.csv", "track,p_static\n" + rows);
+    std::vector<std::string> found = read_native(folder.path()).hints;
+    std::erase_if(found, [](const std::string& hint) { return !hint.starts_with("priors.csv"); });
+    return found;
+  };
+  EXPECT_EQ(hints("").size(), 0u);
+  EXPECT_EQ(hints("3,1\n5,1\n7,1\n").size(), 0u);
+  EXPECT_EQ(
+      hints("5,1\n7,1\n9,1\n"),
+      std::vector<std::string>{"priors.csv: 2 of 3 tracks, as track 7, are measured in no frame"});
+}
+
 TEST(NativeReader, HashesTheFilesInTheOrderOfTheFormat) {
   test::TemporaryFolder folder;
   test::write_good(folder.path());
   Sha256 hash;
   for (const char* name : {"sequence.yaml", "frames.csv", "observations.csv", "groundtruth.tum",
-                           "landmarks.csv", "known.csv", "initial.yaml"}) {
+                           "landmarks.csv", "known.csv", "priors.csv", "initial.yaml"}) {
     hash.add(test::kGood.at(name));
   }
   EXPECT_EQ(read_native(folder.path()).sha256, hash.hex());

@@ -177,6 +177,15 @@ const Fault kTableFaults[] = {
      "known.csv:3: track 3 stands twice"},
     {"KnownHeader", "known.csv", "sigma", "s",
      "known.csv:1: the first line must be 'track,x,y,z,sigma'"},
+    {"OddsTwice", "priors.csv", "5,0", "3,0", "priors.csv:3: track 3 stands twice"},
+    {"OddsAbove1", "priors.csv", "0.9", "1.01", "priors.csv:2: a probability is 0 to 1, not 1.01"},
+    {"OddsBelow0", "priors.csv", "5,0", "5,-0.1",
+     "priors.csv:3: a probability is 0 to 1, not -0.1"},
+    {"OddsNaN", "priors.csv", "0.9", "nan", "priors.csv:2: 'nan' is not a finite number"},
+    {"OddsText", "priors.csv", "0.9", "static", "priors.csv:2: 'static' is not a number"},
+    {"OddsTrack", "priors.csv", "3,0.9", "-3,0.9", "priors.csv:2: '-3' is negative"},
+    {"OddsHeader", "priors.csv", "p_static", "p",
+     "priors.csv:1: the first line must be 'track,p_static'"},
 };
 
 const Fault kSettingsFaults[] = {

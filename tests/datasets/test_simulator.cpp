@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "datasets/simulation/scenario.h"
 #include "tests/datasets/fixture.h"
@@ -133,6 +134,29 @@ namespace {
 
 INSTANTIATE_TEST_SUITE_P(Table, EveryScenario, testing::ValuesIn(rows()),
                          [](const auto& row) { return std::string(row.param->name); });
+
+// So many are right, whoever is right at a lower share is right at a higher one, and nothing else
+// is drawn otherwise.
+TEST(OddsFromOutside, AreRightAsOftenAsTheySay) {
+  const Sequence without = simulate("circle", {}, 1);
+  EXPECT_TRUE(without.p_static.empty());
+  std::set<int> right_before;
+  for (const double q : {0.6, 0.9}) {
+    const Sequence s = simulate("circle", {{"odds_right", std::to_string(q)}}, 1);
+    EXPECT_EQ(numbers_of(s), numbers_of(without));
+    ASSERT_EQ(s.p_static.size(), s.landmarks.size());
+    std::set<int> right;
+    for (const auto& [track, p] : s.p_static) {
+      EXPECT_NEAR(std::abs(p - 0.5), q - 0.5, 1e-12);
+      if ((p > 0.5) == (s.landmarks.at(track).label == Label::kStatic)) right.insert(track);
+    }
+    const auto n = static_cast<double>(s.p_static.size());
+    EXPECT_NEAR(static_cast<double>(right.size()) / n, q, 4.0 * std::sqrt(q * (1.0 - q) / n));
+    EXPECT_TRUE(std::ranges::includes(right, right_before));
+    right_before = right;
+  }
+  EXPECT_THROW(simulate("helix", {{"odds_right", "1.1"}}, 1), std::invalid_argument);
+}
 
 TEST(Scenario, AnUnknownNameAndTooMuchAreRefused) {
   EXPECT_THROW(simulate("circles", {}, 1), std::invalid_argument);

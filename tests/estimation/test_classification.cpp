@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "estimation/classification.h"
+#include "estimation/modules/outside_odds.h"
 #include "estimation/track_policy.h"
 #include "models/landmarks/dynamic_inverse_depth.h"
 #include "models/landmarks/scaled_velocity.h"
@@ -87,6 +88,47 @@ TEST(Odds, AreThePosteriorOverThePriorDensityAtRest) {
   ClassifierOptions options = odds();
   options.prior_odds = 10.0;  // multiply: a factor of 10 suffices
   expect_of_sigma(options, 1.0 / std::cbrt(10.0), Label::kStatic, Label::kUnknown);
+}
+
+// What is said from outside multiplies the ratio too, and without it nothing changes.
+TEST(Odds, FromOutsideStandInPlaceOfThePriorOnes) {
+  MotionBelief b = belief({0, 0, 0}, 1.001 / std::cbrt(10.0));
+  EXPECT_EQ(decide(odds(), b), Label::kUnknown);  // 10 of the 100 that are asked for
+  b.outside = OutsideOdds({{7, 0.95}}, 1.0).evidence(7);
+  EXPECT_EQ(decide(odds(), b), Label::kStatic);
+  b.outside = OutsideOdds({{7, 0.95}}, 19.0).evidence(7);  // as those of all others
+  EXPECT_NEAR(b.outside, 0.0, 1e-12);
+}
+
+// What was called moving by odds from outside alone needs their and the decisive evidence, no more.
+TEST(Odds, OfWhatWasOnlySaidToMoveAreThoseOfOneThatIsUnknown) {
+  const auto classifier = make_classifier(odds(), {});
+  ClassifierMemory memory;
+  MotionBelief b = belief({0, 0, 0}, 0.99);
+  b.outside = -std::log(1000.0);
+  EXPECT_EQ(classifier->decide(b, memory), Label::kMoving);
+  b.covariance = std::pow(1.001e-5, 2.0 / 3.0) * Eigen::Matrix3d::Identity();
+  EXPECT_EQ(classifier->decide(b, memory), Label::kUnknown);
+  b.covariance *= 0.99;
+  EXPECT_EQ(classifier->decide(b, memory), Label::kStatic);
+}
+
+TEST(OutsideOdds, AreNeverCertain) {
+  const OutsideOdds outside({{1, 0.0}, {2, 1.0}, {3, 0.8}}, 2.0);
+  EXPECT_NEAR(std::exp(outside.evidence(1)), 1.0 / 99.0 / 2.0, 1e-12);
+  EXPECT_NEAR(std::exp(outside.evidence(2)), 99.0 / 2.0, 1e-10);
+  EXPECT_NEAR(std::exp(outside.evidence(3)), 4.0 / 2.0, 1e-12);
+  EXPECT_EQ(outside.evidence(4), 0.0);
+  EXPECT_FALSE(outside.speaks_of(4));
+}
+
+TEST(OutsideOdds, WhatMovesRatherThanRestsIsFreeFromItsBirth) {
+  const OutsideOdds outside({{1, 0.49}, {2, 0.51}}, 2.0);
+  for (const Births births : {Births::kHeld, Births::kStaticFirst}) {
+    EXPECT_EQ(outside.births(1, births), Births::kFree);
+    EXPECT_EQ(outside.births(2, births), births);
+    EXPECT_EQ(outside.births(3, births), births);
+  }
 }
 
 // At the defaults the answer is that of the evidence: prior odds of 2, decisive at 20 either way.

@@ -165,6 +165,42 @@ TEST_F(HeldBirths, RestUntilTheirMotionSaysOtherwise) {
   EXPECT_EQ(acted.at("labels undone"), 0);  // they had none
 }
 
+// 3 m/s +- 1 speaks neither for rest nor clearly against it: enough, with odds of rest of 99. What
+// moves rather than rests is never held.
+TEST_F(HeldBirths, FollowOddsFromOutside) {
+  models_.classifier.name = "odds";
+  setup_.p_static = {{30, 0.99}, {41, 0.01}};
+  start_with(models_);
+  frame({10, 30, 31, 41});
+  EXPECT_TRUE(belief_->state.at(41).is_free);
+  for (const int track : {10, 30, 31}) EXPECT_TRUE(is_held(track));
+  frame({10, 30, 31, 41});
+  EXPECT_TRUE(is_held(30));
+  EXPECT_FALSE(is_held(31));
+  frame({10, 30, 31, 41});
+  EXPECT_EQ(label(30), Label::kStatic);
+  const InForce rows = loop_->in_force();
+  const auto row = std::ranges::find(rows, "priors.csv", &Mechanism::key);
+  ASSERT_NE(row, rows.end());
+  EXPECT_TRUE(row->is_on);
+  EXPECT_EQ(row->acted, 2);
+}
+
+// It has no prior odds; the run says so.
+TEST_F(HeldBirths, OfTheThesissClassifierTakeNoOdds) {
+  setup_.p_static = {{41, 0.01}};
+  start_with(models_);
+  frame({41});
+  EXPECT_TRUE(is_held(41));
+  const InForce rows = loop_->in_force();
+  const auto row = std::ranges::find(rows, "priors.csv", &Mechanism::key);
+  EXPECT_FALSE(row->is_on);
+  EXPECT_EQ(row->because, "classifier=thesis");
+  setup_.p_static.clear();
+  start_with(models_);
+  EXPECT_EQ(std::ranges::count(loop_->in_force(), "priors.csv", &Mechanism::key), 0);
+}
+
 TEST_F(HeldBirths, AreStaticOnceTheirMotionSaysSo) {
   start_with(models_);
   frame({1, 10});

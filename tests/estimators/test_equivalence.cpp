@@ -229,6 +229,7 @@ std::optional<Sequence> sequence_of(const std::string& name) {
         name == "stereo" ? std::pair("stereo", "0.3") : std::pair("depth_sigma", "0.1");
     return first_of("circle", {{"known", "0"}, rig});
   }
+  if (name == "odds") return first_of("circle", {{"odds_right", "0.9"}});
   if (name == "nothing_known") return first_of("circle", {{"known", "0"}});
   if (name != "recording") return first_of(name, {});
   const std::filesystem::path drive =
@@ -262,7 +263,7 @@ TEST_P(OneFrameAtTheDefaults, AndOneStepIsTheEkf) {
 
 INSTANTIATE_TEST_SUITE_P(Sequences, OneFrameAtTheDefaults,
                          testing::Combine(testing::Values("circle", "square", "recording", "stereo",
-                                                          "depths", "nothing_known"),
+                                                          "depths", "nothing_known", "odds"),
                                           testing::ValuesIn(names_of(landmark_list()))),
                          [](const auto& tested) {
                            return std::get<0>(tested.param) + "_" + std::get<1>(tested.param);

@@ -44,6 +44,7 @@ void check(const Sequence& s) {
   for (const KnownLandmark& k : s.known) {
     require(k.position.allFinite() && k.sigma > 0.0, "a known landmark");
   }
+  for (const auto& [track, p] : s.p_static) require(p >= 0.0 && p <= 1.0, "a probability");
   require(!s.initial || is_finite(s.initial->state), "the first camera");
 }
 
@@ -144,6 +145,7 @@ constexpr Target kTargets[] = {
     {"native_truth", native, "groundtruth.tum", read_measured},
     {"native_landmarks", native, "landmarks.csv", read_measured},
     {"native_known", native, "known.csv", read_measured},
+    {"native_priors", native, "priors.csv", read_measured},
     {"native_initial", native, "initial.yaml", read_measured},
     {"native_rig", rig, "sequence.yaml", read_imaged},
     {"native_other_images", rig, "other_images.csv", read_imaged},

@@ -65,6 +65,15 @@ class PythonEstimator(WithFolder):
         self.check_numbers(slammot.read_sequence(folder), uneven)
         self.assertFalse(np.array_equal(self.known.covariance, uneven.covariance))
 
+    def test_odds_from_outside_are_of_the_setup(self):
+        with_odds = shutil.copytree(self.sequence.folder, self.folder / "odds")
+        (with_odds / "priors.csv").write_text("track,p_static\n2,0.25\n7,1\n")
+        self.assertEqual(slammot.read_sequence(with_odds).priors.values.tolist(), [[2.0, 0.25], [7.0, 1.0]])
+        self.assertIsNone(self.sequence.priors)
+        for folder, said in ((with_odds, {2: 0.25, 7: 1.0}), (self.sequence.folder, {})):
+            script = self.script(f"assert self.setup.p_static == {said}")
+            program("run", folder, "--estimator", f"python:{script}:Mine", "--output", self.folder / "run", "--force")
+
     def check_numbers(self, sequence, run):
         scope = {"__name__": "examples"}
         exec(compile(EXAMPLES.read_text(encoding="utf-8"), str(EXAMPLES), "exec"), scope)  # pylint: disable=exec-used

@@ -1,8 +1,11 @@
 #include "datasets/simulation/scene/statements.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <stdexcept>
 
 #include "datasets/simulation/random/random_stream.h"
 
@@ -23,6 +26,8 @@ Parameters parameters(StatementOptions& o) {
       {"stated_inverse_depth", "mean at first sight [1/m]; of the scene", &o.inverse_depth, 0},
       {"stated_inverse_depth_sigma", "at first sight [1/m]; of the scene", &o.inverse_depth_sigma,
        kAbove0},
+      {"odds_right", "share of the odds from outside that are right, and what they say; 0: none",
+       &o.odds_right, 0},
   };
 }
 
@@ -124,6 +129,25 @@ LandmarkPrior prior_of(const Sequence& sequence) {
   return prior;
 }
 
+namespace {
+
+// As a network of known quality would say. Each point has a draw of its own, the same for every
+// share: what a worse one has right, a better one has too.
+void state_odds(double right, std::uint64_t seed, Sequence& sequence) {
+  if (right > 1.0) {
+    throw std::invalid_argument(fmt::format("odds_right: must be at most 1, not {}", right));
+  }
+  if (right == 0.0) return;
+  RandomStream random(seed, "odds");
+  for (const auto& [track, landmark] : sequence.landmarks) {
+    const bool is_right = random.uniform(0.0, 1.0) < right;
+    const bool says_static = (landmark.label == Label::kStatic) == is_right;
+    sequence.p_static[track] = says_static ? right : 1.0 - right;
+  }
+}
+
+}  // namespace
+
 void state(const StatementOptions& options, const LandmarkPrior& scene, std::uint64_t seed,
            Sequence& sequence) {
   RandomStream random(seed, "initial");
@@ -146,6 +170,7 @@ void state(const StatementOptions& options, const LandmarkPrior& scene, std::uin
   prior.max_speed = options.max_speed;
   prior.acceleration = options.object_acceleration.value_or(prior.acceleration);
   sequence.prior = prior;
+  state_odds(options.odds_right, seed, sequence);
 }
 
 }  // namespace slammot

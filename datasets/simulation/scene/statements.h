@@ -15,6 +15,8 @@ struct StatementOptions {
   std::optional<double> angular_acceleration;   // [rad/s^2]
   std::optional<double> inverse_depth;          // [1/m]
   std::optional<double> inverse_depth_sigma;    // [1/m]
+  // Odds of rest from outside (priors.csv): so many are right, and that is what they say; 0: none.
+  double odds_right = 0.0;
 };
 Parameters parameters(StatementOptions& options);
 
@@ -35,7 +37,8 @@ inline constexpr double kLeastObjectAcceleration = 0.1;
 LandmarkPrior prior_of(const Sequence& sequence);
 
 // Fills `initial` (the true pose; velocities with errors drawn from their sigmas), `motion` and
-// `prior`, which is that of a scene unless overridden. Wants the truth to be there.
+// `prior`, which is that of a scene unless overridden, and odds from outside. Wants the truth to be
+// there. Throws std::invalid_argument for a share above 1.
 void state(const StatementOptions& options, const LandmarkPrior& scene, std::uint64_t seed,
            Sequence& sequence);
 

@@ -332,13 +332,13 @@ def nees_by_run_table(summary):
         ["scenario", "estimator", "runs", "10%", "median", "90%", "exceeding", "worst"], rows)
 
 
-def counts_row(group, label, static, moving):
+def counts_row(group, label, static, moving, decided="–"):
     row = [group, label]
     for counts in (static, moving):
         right, wrong, undecided = counts
         row += [str(right), str(wrong), str(undecided), percent(right, sum(counts)),
                 percent(wrong + undecided, sum(counts))]
-    return row
+    return row + [decided]
 
 
 def classification_table(summary):
@@ -348,7 +348,8 @@ def classification_table(summary):
         rows.append(counts_row("published", reference["label"], reference["static"], reference["moving"]))
     for group, cell in estimators_of(summary):
         if sum(cell.get("static", [])) + sum(cell.get("moving", [])) > 0:
-            rows.append(counts_row(group["name"], cell["label"], cell["static"], cell["moving"]))
+            rows.append(counts_row(group["name"], cell["label"], cell["static"], cell["moving"],
+                                   with_interval(cell.get("median_frames_to_decision"))))
             rows.append(counts_row(group["name"], f'{cell["label"]}, observed at least ten times',
                                    cell["static_often_seen"], cell["moving_often_seen"]))
             if sum(cell["standing_by_frame"]) > 0:
@@ -359,9 +360,9 @@ def classification_table(summary):
         "Landmarks over all runs, by true class. Misclassified: wrong or undecided. Many moving landmarks cross the image in a few frames, "
         "so the second row counts only landmarks observed at least ten times. Known landmarks are not counted, nor those of the first frame "
         "where they are static by rule (labels.births=static_first). Where objects stop, the third row counts frames in which they were measured: at rest "
-        "(under static) and moving.",
+        "(under static) and moving. Frames to decision: measurements until a label, median of a run.",
         ["scenario", "estimator"] + [f"{kind} {what}" for kind in ("static", "moving")
-                                     for what in ("right", "wrong", "undecided", "right %", "misclassified %")], rows)
+                                     for what in ("right", "wrong", "undecided", "right %", "misclassified %")] + ["frames to decision"], rows)
 
 
 def pairs_table(summary):
