@@ -283,7 +283,8 @@ void add_track(CLI::App& app, int& exit_code) {
           "--masks", arguments->masks,
           "an image for each frame, of its name or in order: grey 0 rests, 255 moves; into "
           "priors.csv")
-      ->type_name("FOLDER");
+      ->type_name("FOLDER")
+      ->check([](const std::string& folder) { return folder.empty() ? "names no folder" : ""; });
   command->add_flag("--force", arguments->force, kForceHelp);
   command->add_option("--points", options.tracker.corners.count, "corners looked for in an image")
       ->check(CLI::Range(8, 10000))

@@ -73,9 +73,8 @@ class ThesisClassifier final : public Classifier {
 };
 
 // Posterior odds of static to moving: the prior odds, a track's own where they come from outside,
-// times the Savage-Dickey ratio. What was found
-// to move is at rest again only against the evidence that it moved: its noise lets the belief
-// forget that.
+// times the Savage-Dickey ratio. What was found to move is at rest again only against the evidence
+// that it moved: its noise lets the belief forget that.
 class OddsClassifier final : public Classifier {
  public:
   explicit OddsClassifier(const ClassifierOptions& options) : options_(options) {}

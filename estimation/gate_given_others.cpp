@@ -120,7 +120,9 @@ void FrameGate::scale_accepted() {
     if (!accepts(set_[k])) continue;
     const Block B_ii = (*B_).block<2, 2>(row(k), row(k));
     const Eigen::Vector2d a_i = (*a_).block<2, 1>(row(k), 0);
-    scaled_[set_[k]] = B_ii.llt().matrixL().solve(a_i);
+    const Eigen::LLT<Block> factor(B_ii);
+    // Rounding of many that were dropped.
+    if (factor.info() == Eigen::Success) scaled_[set_[k]] = factor.matrixL().solve(a_i);
   }
 }
 

@@ -70,6 +70,21 @@ cv::Mat decode_image(const std::filesystem::path& file, std::optional<cv::Size> 
   return image;
 }
 
+cv::Mat decode_mask(const std::filesystem::path& file, cv::Size size) {
+  cv::Mat image = decode(file);
+  if (size.area() > 0) require_size(file, image, size);
+  bool is_grey = image.depth() == CV_8U;
+  if (is_grey && image.channels() == 3) {
+    std::vector<cv::Mat> channels;
+    cv::split(image, channels);
+    is_grey = cv::norm(channels[0], channels[1], cv::NORM_INF) == 0.0 &&
+              cv::norm(channels[0], channels[2], cv::NORM_INF) == 0.0;
+    image = channels[0];
+  }
+  if (!is_grey) throw InputError(file, 0, "a mask is grey, of 8 bits: 0 rests, 255 moves");
+  return image;
+}
+
 cv::Mat decode_depth(const std::filesystem::path& file, cv::Size size) {
   cv::Mat image = decode(file);
   if (image.type() != CV_16UC1) throw InputError(file, 0, "a depth image has 16 bits, no colour");

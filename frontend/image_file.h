@@ -38,6 +38,10 @@ class ImageSource {
 // one is given. Throws InputError.
 cv::Mat decode_image(const std::filesystem::path& file, std::optional<cv::Size> size = {});
 
+// A mask: 8 bits, grey, or colour without colour in it; of this size, where it is not 0, 0. Throws
+// InputError: the high byte of 16 bits and the brightness of a colour would be other numbers.
+cv::Mat decode_mask(const std::filesystem::path& file, cv::Size size);
+
 // A depth image: 16 bits, one channel, of this size. Throws InputError.
 cv::Mat decode_depth(const std::filesystem::path& file, cv::Size size);
 

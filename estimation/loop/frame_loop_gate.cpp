@@ -52,7 +52,8 @@ void FrameLoop::split_by_gate(double dt, FrameReport& report) {
       accepted_.push_back(z);
       report.accepted_static += rests(manager_.records().at(z.track)) ? 1 : 0;
       report.nis_sum += gate_.nis(i);
-      lasting_.add(z.track, z.camera, gate_.scaled_given_others(i));
+      lasting_.add(z.track, z.camera, manager_.records().at(z.track).first_frame,
+                   gate_.scaled_given_others(i));
       continue;
     }
     refused_by_others_ += gate_.accepts_alone(i) && !gate_.agrees(i) ? 1 : 0;

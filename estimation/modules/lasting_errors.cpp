@@ -2,13 +2,14 @@
 
 namespace slammot {
 
-void LastingErrors::add(int track, int camera, const Eigen::Vector2d& n) {
+void LastingErrors::add(int track, int camera, int born, const Eigen::Vector2d& n) {
   Sum& sum = sums_[{track, camera}];
+  if (sum.born != born) sum = {.born = born};  // another landmark of this track
   sum.n += n;
   if (++sum.sightings < kSightings) return;
   ++ended_.sums;
   ended_.nis += sum.n.squaredNorm() / kSightings;
-  sum = {};
+  sum = {.born = born};
 }
 
 LastingErrors::Ended LastingErrors::take(const TrackRecords& records) {

@@ -31,8 +31,8 @@ class LastingErrors {
     double nis = 0.0;  // of all of them
   };
 
-  // `n`: given all others, of unit covariance.
-  void add(int track, int camera, const Eigen::Vector2d& n);
+  // `n`: given all others, of unit covariance; of the landmark that was `born` in that frame.
+  void add(int track, int camera, int born, const Eigen::Vector2d& n);
   // Those since it was asked last; forgets tracks that are not there any more.
   Ended take(const TrackRecords& records);
 
@@ -40,6 +40,7 @@ class LastingErrors {
   struct Sum {
     Eigen::Vector2d n = Eigen::Vector2d::Zero();
     int sightings = 0;
+    int born = 0;
   };
 
   std::map<std::pair<int, int>, Sum> sums_;  // by track and camera

@@ -148,7 +148,7 @@ double nis_sum(const Json& mean, int accepted) {
 // Runs of before have none.
 void restore_lasting(const Json& nis, FrameCounts& totals) {
   if (!nis.contains("lasting_mean") || nis["lasting_mean"].is_null()) return;
-  totals.lasting_sums = nis.at("lasting_sums").get<int>();
+  totals.lasting_sums = count_of(nis.at("lasting_sums"));
   totals.lasting_nis = nis_sum(nis.at("lasting_mean"), totals.lasting_sums);
 }
 

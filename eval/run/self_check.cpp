@@ -21,11 +21,10 @@ constexpr size_t kBurst = 5;             // and over these: a sudden loss, befor
 constexpr int kLeastMeasurements = 100;  // of a sum, else it says nothing
 constexpr int kLeastOfBurst = 30;
 
-constexpr double kNisOfOne = 2.0;    // the joint NIS of a consistent estimator, a measurement
-constexpr double kTooMuch = 2.0;     // times that: the stated noise is too small, or the path wrong
-constexpr double kTooLittle = 0.1;   // times that: the stated noise is three times too large
-constexpr int kLeastLasting = 30;    // sums of a run
-constexpr double kTooLasting = 3.0;  // times the NIS of independent ones
+constexpr double kNisOfOne = 2.0;   // the joint NIS of a consistent estimator, a measurement
+constexpr double kTooMuch = 2.0;    // times that: the stated noise is too small, or the path wrong
+constexpr double kTooLittle = 0.1;  // times that: the stated noise is three times too large
+constexpr int kLeastLasting = 30;   // sums of a run
 constexpr double kMostRejected = 0.15;  // a gate rejects a twentieth of right matches
 constexpr double kMostRejectedOfBurst = 0.5;
 constexpr int kLeastStatic = 5;  // used; three hold a camera, four cannot tell which is wrong
@@ -114,13 +113,14 @@ std::optional<RunWarning> errors_last(const RunResult& run) {
   const Sums s = sums_of(run.counts, 0, run.counts.size());
   if (s.lasting_sums < kLeastLasting) return std::nullopt;
   const double nis = s.lasting_nis / s.lasting_sums;
-  if (!(nis > kTooLasting * kNisOfOne)) return std::nullopt;
+  if (!(nis > kTooMuch * kNisOfOne)) return std::nullopt;
   return RunWarning{
       run.frames.front(),
-      fmt::format("NIS {:.1f} of the sum of 30 innovations of a track where {:.0f} is right, over "
-                  "the whole run: what tracks are off lasts, and covariances that take it for new "
-                  "in each frame are too small",
-                  nis, kNisOfOne)};
+      fmt::format(
+          "NIS {:.1f} of the sum of 30 innovations of a track where {:.0f} is right, over "
+          "the whole run: errors last from frame to frame (tracks that drift, a lens, a mount "
+          "or a motion stated wrongly), and covariances that take them for new are too small",
+          nis, kNisOfOne)};
 }
 
 std::string rejected_text(const Sums& s) {

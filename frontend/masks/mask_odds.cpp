@@ -16,16 +16,22 @@ using Path = std::filesystem::path;
 
 constexpr double kLargest8Bit = 255.0;
 
-std::map<std::string, std::string> by_stem(const std::vector<std::string>& names) {
+std::map<std::string, std::string> by_stem(const std::vector<std::string>& names,
+                                           const Path& folder) {
   std::map<std::string, std::string> result;
-  for (const std::string& name : names) result.emplace(Path(name).stem().string(), name);
+  for (const std::string& name : names) {
+    const auto [other, is_new] = result.emplace(Path(name).stem().string(), name);
+    if (is_new) continue;
+    throw InputError(folder, 0,
+                     fmt::format("has two masks of one frame: {} and {}", other->second, name));
+  }
   return result;
 }
 
 // Empty where no mask is named as an image; throws where only some are.
 std::vector<std::string> named_as(const std::vector<std::string>& images,
                                   const std::vector<std::string>& masks, const Path& folder) {
-  const auto named = by_stem(masks);
+  const auto named = by_stem(masks, folder);
   std::vector<std::string> result;
   std::string missing;
   for (const std::string& image : images) {
@@ -51,39 +57,13 @@ double moving_at(const cv::Mat& mask, const Eigen::Vector2d& pixel) {
   return mask.at<uchar>(v, u) / kLargest8Bit;
 }
 
-// The mean over the first three sightings of a track, of the probability of moving. No later ones:
-// the classifier is first asked at the third, and what is said before any evidence must not know
-// the frames after it. A mean, no product of odds: a network errs alike in frames that look alike.
-class FirstSightings {
- public:
-  void add(int track, double moving) {
-    auto& [sum, count] = of_[track];
-    if (count == kMost) return;
-    sum += moving;
-    ++count;
-  }
-  std::map<int, double> p_static() const {
-    constexpr double kSurest = 0.99;  // what an image says is never certain
-    std::map<int, double> result;
-    for (const auto& [track, seen] : of_) {
-      result[track] = std::clamp(1.0 - seen.first / seen.second, 1.0 - kSurest, kSurest);
-    }
-    return result;
-  }
-
- private:
-  static constexpr int kMost = 3;
-
-  std::map<int, std::pair<double, int>> of_;  // sum and count
-};
-
 // Of masks that number classes or objects: `largest` value of all.
 std::optional<std::string> brightness_fault(double largest) {
   constexpr double kMostOfClasses = 31.0;
-  if (largest == 0.0 || largest > kMostOfClasses) return std::nullopt;
+  if (largest > kMostOfClasses) return std::nullopt;
   return fmt::format(
       "no mask is brighter than {} of 255: what moves for certain is 255, and these say that "
-      "nothing does; are they numbers of classes or objects?",
+      "nothing does; are they numbers of classes or objects, or the masks of other images?",
       largest);
 }
 
@@ -103,29 +83,32 @@ std::vector<Path> find_masks(const Path& folder, const Sequence& images) {
   if (names.empty()) names = all;
   if (names.size() != images.frames.size()) {
     throw InputError(folder, 0,
-                     fmt::format("has {} masks, none named as an image, of {} frames", names.size(),
+                     fmt::format("has {} masks, and not one for each of {} frames", names.size(),
                                  images.frames.size()));
   }
   std::vector<Path> masks;
   for (const std::string& name : names) masks.push_back(folder / name);
+  // All of them now: tracking takes hours.
+  cv::Size size{images.camera.width, images.camera.height};
+  for (const Path& mask : masks) size = decode_mask(mask, size).size();
   return masks;
 }
 
 MaskOdds odds_by_masks(const std::vector<Path>& masks, const Sequence& images,
                        const Sequence& tracked) {
-  ImageSource source({tracked.camera.width, tracked.camera.height}, /*mixed_colours=*/true);
-  FirstSightings sightings;
+  const cv::Size size{tracked.camera.width, tracked.camera.height};
+  MaskOdds result;
   double largest = 0.0;
   for (const Frame& frame : tracked.frames) {
-    const cv::Mat mask = source.read(masks.at(place_of(frame, images)));
+    const cv::Mat mask = decode_mask(masks.at(place_of(frame, images)), size);
     double most = 0.0;
     cv::minMaxLoc(mask, nullptr, &most);
     largest = std::max(largest, most);
+    // Where a track begins: what is said before any evidence must not know the frames after it.
     for (const Observation& z : frame.observations) {
-      sightings.add(z.track, moving_at(mask, z.pixel));
+      result.p_static.try_emplace(z.track, 1.0 - moving_at(mask, z.pixel));
     }
   }
-  MaskOdds result{sightings.p_static(), {}};
   if (auto fault = brightness_fault(largest)) result.warnings.push_back(std::move(*fault));
   return result;
 }

@@ -29,7 +29,7 @@ double nis_of_thirty(double lasting) {
                                std::sqrt(lasting) * normal(engine));
     for (int k = 0; k < kFrames; ++k) {
       const Eigen::Vector2d fresh(normal(engine), normal(engine));
-      errors.add(t, k % 2, bias + std::sqrt(1.0 - lasting) * fresh);
+      errors.add(t, k % 2, 0, bias + std::sqrt(1.0 - lasting) * fresh);
     }
   }
   const LastingErrors::Ended ended = errors.take(records_of(kTracks));
@@ -45,39 +45,49 @@ TEST(LastingErrors, AddUpWhereATenthOfThemLasts) { EXPECT_NEAR(nis_of_thirty(0.1
 
 TEST(LastingErrors, ATrackThatEndedIsForgotten) {
   LastingErrors errors;
+  int born = 0;
   const auto add = [&](int times) {
-    for (int k = 0; k < times; ++k) errors.add(7, 0, Eigen::Vector2d::Ones());
+    for (int k = 0; k < times; ++k) errors.add(7, 0, born, Eigen::Vector2d::Ones());
   };
   add(LastingErrors::kSightings - 1);
   errors.take({});
   add(1);
   EXPECT_EQ(errors.take(records_of(8)).sums, 0);
+  add(LastingErrors::kSightings - 2);
+  born = 5;  // pruned and seen anew before anybody asked
+  add(1);
+  EXPECT_EQ(errors.take(records_of(8)).sums, 0);
 }
 
-// Of pixels that share the camera's error, as drawn from what the gate is told.
+// By its definition: nu_i less what the others tell of it, whitened.
 TEST(LastingErrors, TheGateScalesGivenAllOthers) {
-  constexpr int kPixels = 8, kDraws = 2000;
+  constexpr Eigen::Index kRows = 12, kRow = 6;  // of pixel 3
   std::mt19937 engine(5);
   std::normal_distribution<double> normal;
+  const auto draw = [&] { return normal(engine); };
+  const Eigen::MatrixXd half = Eigen::MatrixXd::NullaryExpr(kRows, kRows, draw);
+  const Eigen::VectorXd nu = 2.0 * Eigen::VectorXd::NullaryExpr(kRows, draw);
   FrameInnovation frame;
-  frame.HPHt.resize(2 * kPixels, 2 * kPixels);
-  (*frame.HPHt).setConstant(25.0);
-  (*frame.HPHt).diagonal().array() += 1.0;
-  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
-  for (int draw = 0; draw < kDraws; ++draw) {
-    const double shared = 5.0 * normal(engine);
-    frame.z.clear();
-    frame.nu.clear();
-    for (int i = 0; i < kPixels; ++i) {
-      frame.z.push_back({i, Eigen::Vector2d::Zero()});
-      const double u = shared + std::sqrt(2.0) * normal(engine);
-      frame.nu.emplace_back(u, shared + std::sqrt(2.0) * normal(engine));
-    }
-    FrameGate gate({.probability = 1.0, .given_others = 1.0}, 1.0);
-    gate.judge(frame);
-    sum += gate.scaled_given_others(3) * gate.scaled_given_others(3).transpose();
+  frame.HPHt.resize(kRows, kRows);
+  *frame.HPHt = half * half.transpose();
+  const Eigen::MatrixXd S = half * half.transpose() + Eigen::MatrixXd::Identity(kRows, kRows);
+  for (Eigen::Index i = 0; i < kRows; i += 2) {
+    frame.z.push_back({static_cast<int>(i / 2), Eigen::Vector2d::Zero()});
+    frame.nu.emplace_back(nu.segment<2>(i));
   }
-  EXPECT_LT((sum / kDraws - Eigen::Matrix2d::Identity()).norm(), 0.12);
+  FrameGate gate({.probability = 1.0, .given_others = 1.0}, 1.0);
+  gate.judge(frame);
+
+  std::vector<Eigen::Index> others;
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    if (i != kRow && i != kRow + 1) others.push_back(i);
+  }
+  const std::vector<Eigen::Index> own{kRow, kRow + 1};
+  const Eigen::MatrixXd gain = S(own, others) * S(others, others).inverse();
+  const Eigen::Vector2d left = nu(own) - gain * nu(others);
+  const Eigen::Matrix2d information = (S(own, own) - gain * S(others, own)).inverse();
+  const Eigen::Matrix2d L = information.llt().matrixL();
+  EXPECT_LT((gate.scaled_given_others(3) - L.transpose() * left).norm(), 1e-9);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ Parameters parameters(StatementOptions& o) {
       {"stated_inverse_depth", "mean at first sight [1/m]; of the scene", &o.inverse_depth, 0},
       {"stated_inverse_depth_sigma", "at first sight [1/m]; of the scene", &o.inverse_depth_sigma,
        kAbove0},
-      {"odds_right", "share of the odds from outside that are right, and what they say; 0: none",
+      {"odds_right", "share of either class that odds from outside have right; 0: none",
        &o.odds_right, 0},
   };
 }
@@ -131,18 +131,27 @@ LandmarkPrior prior_of(const Sequence& sequence) {
 
 namespace {
 
-// As a network of known quality would say. Each point has a draw of its own, the same for every
-// share: what a worse one has right, a better one has too.
+// As a network of known quality would say: its answer is right for the share q = `right` of the
+// points of either class, and with pi, the share of points at rest, what it says is the posterior
+//
+//   p = q pi / (q pi + (1 - q) (1 - pi)) where it answers "rests",
+//
+// with 1 - q for q where it answers "moves". Each point has a draw of its own, the same for every
+// q: what a worse one has right, a better one has too.
 void state_odds(double right, std::uint64_t seed, Sequence& sequence) {
   if (right > 1.0) {
     throw std::invalid_argument(fmt::format("odds_right: must be at most 1, not {}", right));
   }
   if (right == 0.0) return;
   RandomStream random(seed, "odds");
+  const auto at_rest = std::ranges::count_if(
+      sequence.landmarks, [](const auto& l) { return l.second.label == Label::kStatic; });
+  const double pi = static_cast<double>(at_rest) / static_cast<double>(sequence.landmarks.size());
+  const auto posterior = [pi](double q) { return q * pi / (q * pi + (1.0 - q) * (1.0 - pi)); };
   for (const auto& [track, landmark] : sequence.landmarks) {
     const bool is_right = random.uniform(0.0, 1.0) < right;
     const bool says_static = (landmark.label == Label::kStatic) == is_right;
-    sequence.p_static[track] = says_static ? right : 1.0 - right;
+    sequence.p_static[track] = posterior(says_static ? right : 1.0 - right);
   }
 }
 
