@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
-#include <set>
 
 #include "apps/commands.h"
 #include "apps/support/command_line.h"
@@ -13,13 +12,11 @@
 #include "apps/support/progress.h"
 #include "apps/support/usage.h"
 #include "apps/support/writable.h"
+#include "apps/track/track_statements.h"
 #include "datasets/native/native_settings.h"
-#include "datasets/native/native_tables.h"
 #include "datasets/native/native_writer.h"
 #include "datasets/output/output_files.h"
 #include "datasets/output/output_folder.h"
-#include "datasets/text/number.h"
-#include "datasets/text/text_table.h"
 #include "eval/provenance/provenance.h"
 #include "frontend/masks/mask_odds.h"
 #include "frontend/rendering/render.h"
@@ -31,16 +28,12 @@ namespace {
 using Path = std::filesystem::path;
 
 constexpr char kCommon[] = "common", kAlignment[] = "alignment";
-constexpr double kVelocitySigma = 0.1;  // [m/s] where --velocity-sigma states none
 
 struct TrackArguments {
   ImageOptions source;
   std::string output;
   std::string chessboard;
-  std::string initial_velocity;          // VX,VY,VZ (W) [m/s]
-  std::optional<double> velocity_sigma;  // [m/s]
-  std::string known;                     // a file as known.csv
-  std::string masks;                     // a folder; empty: none
+  TrackStatements stated;
   std::string noise = kCommon;
   bool force = false;
   TrackOptions options;
@@ -81,67 +74,6 @@ std::string noise_text(const TrackedImages& tracked, NoiseModel model) {
       "matrix / 1.150, median over {} pairs of frames {} apart (quartiles {:.3g} and {:.3g} px)",
       tracked.sequence.pixel_sigma, tracked.noise->sigma, tracked.noise->pairs, tracked.noise->lag,
       tracked.noise->lower, tracked.noise->upper);
-}
-
-// The first true camera. Nothing is made of a truth that is not there.
-CameraState first_truth(const Sequence& sequence) {
-  if (!sequence.truth.empty() && sequence.truth.front()) return *sequence.truth.front();
-  throw InputError(sequence.folder, 0, "the first frame has no true pose to take a velocity from");
-}
-
-Eigen::Vector3d parse_velocity(const std::string& text) {
-  Eigen::Vector3d v;
-  int used = 0;
-  const int read = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &v.x(), &v.y(), &v.z(), &used);
-  if (read != 3 || static_cast<size_t>(used) != text.size() || !(v.norm() < kLargest)) {
-    throw std::invalid_argument(
-        fmt::format("--initial-velocity '{}': expected VX,VY,VZ, as in 0,0,1.5 (m/s)", text));
-  }
-  return v;
-}
-
-// What an odometer would tell: it fixes the scale where no board does. The pose is that of the
-// board, else of the truth, else the origin.
-void state_velocity(const TrackArguments& arguments, Sequence& sequence) {
-  if (arguments.initial_velocity.empty() && !arguments.velocity_sigma) return;
-  InitialCamera initial = sequence.initial.value_or(InitialCamera{});
-  if (arguments.initial_velocity.empty()) {
-    initial.state = first_truth(sequence);
-  } else {
-    const bool has_truth = !sequence.truth.empty() && sequence.truth.front();
-    if (!sequence.initial && has_truth) initial.state = *sequence.truth.front();
-    initial.state.velocity = parse_velocity(arguments.initial_velocity);
-  }
-  initial.velocity_sigma = arguments.velocity_sigma.value_or(kVelocitySigma);
-  initial.angular_velocity_sigma = 0.1;
-  sequence.initial = initial;
-}
-
-// Beside what a board gives. A track that was never measured would be ignored in silence.
-void state_known(const Path& file, Sequence& sequence) {
-  std::set<int> tracks;
-  for (const Frame& frame : sequence.frames) {
-    for (const Observation& z : frame.observations) tracks.insert(z.track);
-  }
-  for (const KnownLandmark& known : read_known(file, read_text_file(file))) {
-    if (!tracks.contains(known.track)) {
-      throw InputError(file, 0, fmt::format("track {} is measured in no image", known.track));
-    }
-    std::erase_if(sequence.known, [&](const auto& k) { return k.track == known.track; });
-    sequence.known.push_back(known);
-  }
-}
-
-// And a line about it, for people.
-std::string state_odds(const std::vector<Path>& masks, const Sequence& images,
-                       TrackedImages& tracked) {
-  MaskOdds odds = odds_by_masks(masks, images, tracked.sequence);
-  for (std::string& warning : odds.warnings) tracked.warnings.push_back(std::move(warning));
-  tracked.sequence.p_static = std::move(odds.p_static);
-  const auto moving = std::ranges::count_if(tracked.sequence.p_static,
-                                            [](const auto& said) { return said.second < 0.5; });
-  return fmt::format("masks: {} of {} tracks move rather than rest", moving,
-                     tracked.sequence.p_static.size());
 }
 
 std::string health_text(const TrackHealth& health) {
@@ -215,14 +147,14 @@ void print_summary(const ImagesToTrack& images, const TrackedImages& tracked,
 }
 
 int execute(TrackArguments arguments) {
-  if (!arguments.initial_velocity.empty()) parse_velocity(arguments.initial_velocity);
+  require_velocity(arguments.stated);
   if (!arguments.chessboard.empty()) {
     arguments.options.chessboard = parse_chessboard(arguments.chessboard);
   }
   if (arguments.noise == kAlignment) arguments.options.noise = NoiseModel::kAlignment;
   const ImagesToTrack images = find_images(arguments.source);
   std::vector<Path> masks;  // before hours of tracking
-  if (!arguments.masks.empty()) masks = find_masks(arguments.masks, images.sequence);
+  if (!arguments.stated.masks.empty()) masks = find_masks(arguments.stated.masks, images.sequence);
   require_output(arguments.output, kSequenceOutput, arguments.force, arguments.source.images);
   require_own_files(arguments.output);
   require_own_mark(arguments.output, kTrackingOutput);
@@ -234,8 +166,8 @@ int execute(TrackArguments arguments) {
   const double seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   progress.clear();
-  state_velocity(arguments, tracked.sequence);
-  if (!arguments.known.empty()) state_known(arguments.known, tracked.sequence);
+  state_velocity(arguments.stated, tracked.sequence);
+  if (!arguments.stated.known.empty()) state_known(arguments.stated.known, tracked.sequence);
   add_room_truth(arguments.source.images, tracked.sequence);
   auto beside = beside_texts(images.sequence, tracked.sequence.frames);
   if (!masks.empty()) beside.push_back(state_odds(masks, images.sequence, tracked));
@@ -264,23 +196,23 @@ void add_track(CLI::App& app, int& exit_code) {
                    "board in the first image: inner corners and pitch [m]; fixes the scale")
       ->type_name("COLSxROWS,PITCH");
   command
-      ->add_option("--velocity-sigma", arguments->velocity_sigma,
+      ->add_option("--velocity-sigma", arguments->stated.velocity_sigma,
                    "state the first velocity as the truth has it, with this sigma [m/s]; fixes the "
                    "scale as an odometer does")
       ->check(CLI::PositiveNumber)
       ->excludes("--chessboard");
   command
-      ->add_option("--initial-velocity", arguments->initial_velocity,
+      ->add_option("--initial-velocity", arguments->stated.initial_velocity,
                    fmt::format("state this first velocity in W [m/s], with --velocity-sigma or {}",
                                kVelocitySigma))
       ->type_name("VX,VY,VZ");
   command
-      ->add_option("--known", arguments->known,
+      ->add_option("--known", arguments->stated.known,
                    "landmarks known beforehand, as in known.csv: track,x,y,z,sigma; tracks repeat")
       ->type_name("FILE");
   command
       ->add_option(
-          "--masks", arguments->masks,
+          "--masks", arguments->stated.masks,
           "an image for each frame, of its name or in order: grey 0 rests, 255 moves; into "
           "priors.csv")
       ->type_name("FOLDER")

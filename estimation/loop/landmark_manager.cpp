@@ -224,11 +224,7 @@ void LandmarkManager::in_force(InForce& result) const {
     result.push_back(
         {"births with odds from outside", "priors.csv", weighs, weighs ? "" : other, with_odds_});
   }
-  const bool held = labels.births == Births::kHeld;
-  const std::string not_held = held ? (remembers ? no_memory : "labels.memory=0") : "";
-  const bool holds = births_ == Births::kHeld;
-  result.push_back({"births held at rest", "labels.births", holds, not_held, held_});
-  result.push_back({"births that were held released", "labels.births", holds, not_held, let_go_});
+  state_births(remembers ? no_memory : "labels.memory=0", result);
   const bool condition = m.collapse == Collapse::kCondition;
   result.push_back({"rest used as a measurement", "collapse", condition && can_move,
                     condition ? at_rest : "", condition ? collapsed_ : 0});
@@ -238,6 +234,14 @@ void LandmarkManager::in_force(InForce& result) const {
   const bool learns = m.depth_prior != DepthPriorSource::kFixed;
   result.push_back({"depth prior learnt from the map", "prior.source", depth_prior_.learns(),
                     learns && !depth_prior_.learns() ? "nothing holds the scale" : "", learnt_});
+}
+
+// `no_memory`: why nothing is remembered, or empty.
+void LandmarkManager::state_births(const std::string& no_memory, InForce& result) const {
+  const bool holds = births_ == Births::kHeld;
+  const std::string because = models_.labels.births == Births::kHeld ? no_memory : "";
+  result.push_back({"births held at rest", "labels.births", holds, because, held_});
+  result.push_back({"births that were held released", "labels.births", holds, because, let_go_});
 }
 
 std::vector<LandmarkEstimate> LandmarkManager::estimates(std::span<const int> tracks,

@@ -52,6 +52,7 @@ class LandmarkManager {
   void note_motions(int frame);
   void apply(const Undoing& undoing, Belief& belief);
   void complete(MotionBelief& motion) const;
+  void state_births(const std::string& no_memory, InForce& result) const;
   Label answer(const MotionBelief& motion, TrackRecord& record) const;
   void remove(Belief& belief, FrameReport& report);  // tracks_
   FirstSight first_sight_of(const Frame& frame, const Observation& z, LandmarkPrior& prior) const;

@@ -64,6 +64,8 @@ TEST_F(RunFolder, ReadsBackToTheSameMetrics) {
   drive_over(5);
   run_.smoothed = run_.filtered;
   run_.smoothing_ms = 1.25;
+  run_.totals.lasting_sums = 3;
+  run_.totals.lasting_nis = 7.5;
   Configuration configuration;
   configuration.model.gate = {0.9, 1.0};
   write(configuration);
@@ -72,6 +74,8 @@ TEST_F(RunFolder, ReadsBackToTheSameMetrics) {
   EXPECT_EQ(stored.sequence, "/data/line");
   EXPECT_EQ(stored.gate_probability, 0.9);
   const RunMetrics metrics = compute_metrics(sequence_, run_, 0.9);
+  EXPECT_EQ(stored.run.totals.lasting_sums, 3);
+  EXPECT_EQ(stored.run.totals.lasting_nis, 7.5);
   const RunMetrics again = compute_metrics(sequence_, stored.run, stored.gate_probability);
   // Reading normalises the quaternion, which may change its last bit.
   EXPECT_NEAR(again.filtered.consistency.value->pose.mean,
