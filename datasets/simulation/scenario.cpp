@@ -63,4 +63,14 @@ Sequence simulate(std::string_view scenario, const ScenarioOverrides& overrides,
   return sequence;
 }
 
+void check_scenario(std::string_view scenario, const ScenarioOverrides& overrides,
+                    std::uint64_t seed) {
+  const ScenarioRow& row = find_scenario(scenario);
+  if (row.check) {
+    row.check(row.name, overrides, seed);
+  } else {
+    row.simulate(row.name, overrides, seed);
+  }
+}
+
 }  // namespace slammot

@@ -20,6 +20,9 @@ struct ScenarioRow {
   Sequence (*simulate)(std::string_view name, const ScenarioOverrides& overrides,
                        std::uint64_t seed);
   std::vector<ScenarioParameter> (*parameters)();
+  // Throws what simulate() would of the overrides; null: only simulate() itself can say.
+  void (*check)(std::string_view name, const ScenarioOverrides& overrides,
+                std::uint64_t seed) = nullptr;
 };
 std::span<const ScenarioRow> scenario_table();
 
@@ -38,7 +41,8 @@ constexpr ScenarioRow scenario_row(std::string_view name, std::string_view descr
           [] {
             Options options;
             return describe(parameters(options));
-          }};
+          },
+          nullptr};
 }
 
 // Throws std::invalid_argument for a name that is taken.
@@ -48,5 +52,9 @@ void add_scenarios(std::span<const ScenarioRow> rows);
 // truth carries the exact velocities.
 Sequence simulate(std::string_view scenario, const ScenarioOverrides& overrides,
                   std::uint64_t seed);
+
+// Throws as simulate() does. Where that renders for minutes, without rendering.
+void check_scenario(std::string_view scenario, const ScenarioOverrides& overrides,
+                    std::uint64_t seed);
 
 }  // namespace slammot

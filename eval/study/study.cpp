@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "datasets/simulation/scenario.h"
 #include "datasets/text/text_table.h"
 #include "datasets/text/yaml_map.h"
 #include "eval/configuration/registry.h"
@@ -233,8 +234,12 @@ void try_scenarios(const std::filesystem::path& file, Study& study) {
   for (const StudyCell& cell : study.cells) {
     if (!tried.insert(cell.group).second) continue;
     try {
-      const Sequence sequence = study_sequence(cell, study.first_seed);
-      if (!cell.sequence.empty()) study.recordings[cell.sequence.string()] = sequence.sha256;
+      if (cell.sequence.empty()) {
+        check_scenario(cell.scenario, cell.scene, study.first_seed);
+      } else {
+        const Sequence sequence = study_sequence(cell, study.first_seed);
+        study.recordings[cell.sequence.string()] = sequence.sha256;
+      }
     } catch (const std::invalid_argument& error) {
       throw InputError(file, cell.line, error.what());
     }

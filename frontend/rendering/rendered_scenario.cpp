@@ -107,13 +107,25 @@ class LatestSequences {
 
 RoomOptions room_options() { return {}; }
 
+template <RoomOptions defaults()>
+Options scene_options(std::string_view name, const ScenarioOverrides& overrides) {
+  Options options{defaults()};
+  apply(overrides, name, parameters(options));
+  return options;
+}
+
+// All but the images.
+template <RoomOptions defaults()>
+void check_scene(std::string_view name, const ScenarioOverrides& overrides, std::uint64_t seed) {
+  room_sequence(scene_options<defaults>(name, overrides).room, seed);
+}
+
 // Each scene keeps its own latest: key_of() does not say which it is.
 template <RoomOptions defaults()>
 Sequence simulate_scene(std::string_view name, const ScenarioOverrides& overrides,
                         std::uint64_t seed) {
   static LatestSequences latest;
-  Options options{defaults()};
-  apply(overrides, name, parameters(options));
+  Options options = scene_options<defaults>(name, overrides);
   const bool scale_only = std::exchange(options.scale_only, 0) != 0;  // of the same images
   Sequence sequence = latest.get(options, seed);
   if (scale_only) state_scale_only(sequence);
@@ -128,9 +140,10 @@ std::vector<ScenarioParameter> scene_parameters() {
 
 constexpr ScenarioRow kRows[] = {
     {"basement", "from pixels: a robot's loop in a rendered room, a person passes three times",
-     simulate_scene<basement_options>, scene_parameters<basement_options>},
+     simulate_scene<basement_options>, scene_parameters<basement_options>,
+     check_scene<basement_options>},
     {"room", "from pixels: a small rendered room, seen from one end, some boxes in it move",
-     simulate_scene<room_options>, scene_parameters<room_options>}};
+     simulate_scene<room_options>, scene_parameters<room_options>, check_scene<room_options>}};
 
 }  // namespace
 
