@@ -24,7 +24,32 @@ std::optional<double> log_density_at_zero(const MotionVector& mean,
   return -0.5 * squared - log_normalisation - log_root_determinant;
 }
 
+SeenMotion seen_motion(const LandmarkFunctions& landmark, const LandmarkVector& x,
+                       const LandmarkMatrix& covariance) {
+  const Eigen::Vector3d y = x.head<3>();
+  const MotionVector w = x.tail(landmark.motion);
+  const double rho = landmark.point.inverse_depth(y);
+  const Eigen::RowVector3d J_rho_y = landmark.point.inverse_depth_jacobian(y);
+  BoundedMatrix<Eigen::Dynamic, Eigen::Dynamic, kMaxMotion, kMaxLandmark> J(landmark.motion,
+                                                                            landmark.dim());
+  J.leftCols(3) = w * J_rho_y;
+  J.rightCols(landmark.motion) = rho * MotionMatrix::Identity(landmark.motion, landmark.motion);
+  const double variance = J_rho_y * covariance.topLeftCorner(3, 3) * J_rho_y.transpose();
+  return {rho * w, J * covariance * J.transpose(), std::sqrt(rho * rho + variance)};
+}
+
 }  // namespace
+
+MotionBelief motion_belief(int track, const LandmarkFunctions& landmark, const LandmarkVector& x,
+                           const LandmarkMatrix& covariance) {
+  MotionBelief motion;
+  motion.track = track;
+  motion.w = x.tail(landmark.motion);
+  motion.covariance = covariance.bottomRightCorner(landmark.motion, landmark.motion);
+  motion.density_scale = landmark.density_scale(x);
+  if (landmark.motion_in_metres) motion.seen = seen_motion(landmark, x, covariance);
+  return motion;
+}
 
 double density_at_zero(const MotionVector& mean, const MotionMatrix& covariance) {
   const auto log_density = log_density_at_zero(mean, covariance);
@@ -37,8 +62,10 @@ double mahalanobis_from_zero(const MotionVector& mean, const MotionMatrix& covar
 }
 
 std::optional<double> log_odds_ratio_of_rest(const MotionBelief& belief) {
-  const MotionMatrix prior = belief.prior_sigmas.cwiseAbs2().asDiagonal().toDenseMatrix();
-  const auto now = log_density_at_zero(belief.w, belief.covariance);
+  const double rho = belief.seen ? belief.seen->rho : 1.0;
+  const MotionMatrix prior = (rho * belief.prior_sigmas).cwiseAbs2().asDiagonal().toDenseMatrix();
+  const auto now = belief.seen ? log_density_at_zero(belief.seen->rho_w, belief.seen->covariance)
+                               : log_density_at_zero(belief.w, belief.covariance);
   const auto before = log_density_at_zero(MotionVector::Zero(belief.w.size()), prior);
   if (!now || !before) return std::nullopt;
   return *now - *before;

@@ -15,6 +15,14 @@
 
 namespace slammot {
 
+// rho w of a free landmark whose w is in metres. A pixel measures rho w, and w only as far as the
+// depth is known: where it is not, the Gaussian of w reaches rest although the pixel has moved.
+struct SeenMotion {
+  MotionVector rho_w;
+  MotionMatrix covariance;
+  double rho = 1.0;  // root mean square of the inverse depth as believed [1/m]
+};
+
 // The marginal Gaussian of w (landmark.h), with w = 0 at rest.
 struct MotionBelief {
   int track = 0;
@@ -23,11 +31,16 @@ struct MotionBelief {
   MotionVector prior_sigmas;   // of each number of w at first sight
   double density_scale = 1.0;  // density of v at rest = density_scale * density of w's first three
   double outside = 0.0;        // evidence of rest from outside (modules/outside_odds.h), a log
+  std::optional<SeenMotion> seen = std::nullopt;
 
   // Of the first three, which say the velocity.
   Eigen::Vector3d velocity_part() const { return w.head<3>(); }
   Eigen::Matrix3d velocity_covariance() const { return covariance.topLeftCorner<3, 3>(); }
 };
+
+// Of a free landmark, from its state x = (y, w) and the covariance of x.
+MotionBelief motion_belief(int track, const LandmarkFunctions& landmark, const LandmarkVector& x,
+                           const LandmarkMatrix& covariance);
 
 // Density of a Gaussian (mean, covariance) at zero; 0 if the covariance is not positive definite.
 double density_at_zero(const MotionVector& mean, const MotionMatrix& covariance);
@@ -36,8 +49,8 @@ double density_at_zero(const MotionVector& mean, const MotionMatrix& covariance)
 double mahalanobis_from_zero(const MotionVector& mean, const MotionMatrix& covariance);
 
 // The logarithm of the Savage-Dickey ratio (Dickey 1971), posterior over prior odds of rest: the
-// density of w at rest now over that at first sight. None where a covariance is not positive
-// definite.
+// density of w at rest now over that at first sight, by what is seen of w. None where a covariance
+// is not positive definite.
 std::optional<double> log_odds_ratio_of_rest(const MotionBelief& belief);
 
 // C_s at first sight, (3.1) [(m/s)^-3].

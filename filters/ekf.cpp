@@ -150,11 +150,11 @@ void Ekf::motions(std::span<const int> tracks, std::vector<MotionBelief>& result
   result.clear();
   for (const int track : tracks) {
     const FilterLandmark& landmark = state_.landmarks.at(track);
-    MotionBelief& motion = result.emplace_back();
-    motion.track = track;
-    motion.w = landmark.w;
-    motion.covariance = state_.covariance.block(landmark.w_block, landmark.w_block);
-    motion.density_scale = functions_.density_scale(landmark.x());
+    const StateBlock y = landmark.y_block, w = landmark.w_block;
+    const JointCovariance& P = state_.covariance;
+    LandmarkMatrix of_x(functions_.dim(), functions_.dim());
+    of_x << P.block(y, y), P.block(y, w), P.block(w, y), P.block(w, w);
+    result.push_back(motion_belief(track, functions_, landmark.x(), of_x));
   }
 }
 

@@ -138,11 +138,8 @@ void Marginals::motions(std::span<const int> tracks, std::vector<MotionBelief>& 
   for (const int track : tracks) {
     const WindowLandmark& landmark = landmarks_.at(track);
     const LandmarkVector x = graph_.newest_state(graph_[landmark.id]);
-    MotionBelief& motion = result.emplace_back();
-    motion.track = track;
-    motion.w = x.tail(functions.motion);
-    motion.density_scale = functions.density_scale(x);
-    motion.covariance = joint(landmark).bottomRightCorner(functions.motion, functions.motion);
+    result.push_back(
+        motion_belief(track, functions, x, joint(landmark).bottomRightCorner(x.size(), x.size())));
   }
 }
 

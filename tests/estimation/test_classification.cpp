@@ -90,6 +90,34 @@ TEST(Odds, AreThePosteriorOverThePriorDensityAtRest) {
   expect_of_sigma(options, 1.0 / std::cbrt(10.0), Label::kStatic, Label::kUnknown);
 }
 
+// A pixel has moved by nine sigmas, at a depth of which little is known: in metres a second the
+// Gaussian reaches rest, and no rest makes a pixel move.
+TEST(Odds, AreAskedOfWhatAPixelMeasures) {
+  using Model = DynamicInverseDepth<InverseDepth>;
+  constexpr auto kLandmark = landmark_row<Model>();
+  const double rho = 0.15, rho_sigma = 0.1, u = 0.09, u_sigma = 0.01;  // [1/m], [1/s]
+  const Eigen::Vector3d w(u / rho, 0.0, 0.0);
+  const LandmarkVector x = landmark_state({0.0, 0.0, rho}, w);
+  LandmarkMatrix P = LandmarkMatrix::Identity(6, 6) * 1e-6;
+  P(2, 2) = rho_sigma * rho_sigma;
+  P.block<3, 1>(3, 2) = -w / rho * P(2, 2);  // rho w is measured
+  P.block<1, 3>(2, 3) = P.block<3, 1>(3, 2).transpose();
+  P.block<3, 3>(3, 3) = w * w.transpose() * P(2, 2) / (rho * rho);
+  P.block<3, 3>(3, 3).diagonal().array() += std::pow(u_sigma / rho, 2);
+
+  MotionBelief asked = motion_belief(1, kLandmark, x, P);
+  asked.prior_sigmas = MotionVector::Ones(3);
+  ASSERT_TRUE(asked.seen);
+  EXPECT_NEAR(asked.seen->rho_w.x() / std::sqrt(asked.seen->covariance(0, 0)), u / u_sigma, 1e-6);
+  EXPECT_DOUBLE_EQ(asked.seen->rho, std::hypot(rho, rho_sigma));
+  EXPECT_EQ(decide(odds(), asked), Label::kMoving);
+
+  // The thesis asks for the velocity in metres.
+  EXPECT_LT(mahalanobis_from_zero(asked.w, asked.covariance), 1.5);
+  asked.seen.reset();
+  EXPECT_NE(decide(odds(), asked), Label::kMoving);
+}
+
 // What is said from outside multiplies the ratio too, and without it nothing changes.
 TEST(Odds, FromOutsideStandInPlaceOfThePriorOnes) {
   MotionBelief b = belief({0, 0, 0}, 1.001 / std::cbrt(10.0));

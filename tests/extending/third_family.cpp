@@ -144,8 +144,8 @@ class Unscented final : public Belief {
     result.clear();
     for (const int track : tracks) {
       const Landmark& l = landmarks_.at(track);
-      const double density_scale = functions_.density_scale(x_(joined(l.y, l.w)));
-      result.push_back({track, x_(l.w), P_(l.w, l.w), {}, density_scale});
+      const Rows x = joined(l.y, l.w);
+      result.push_back(motion_belief(track, functions_, x_(x), P_(x, x)));
     }
   }
 
