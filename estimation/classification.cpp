@@ -24,6 +24,8 @@ std::optional<double> log_density_at_zero(const MotionVector& mean,
   return -0.5 * squared - log_normalisation - log_root_determinant;
 }
 
+// Of first order in what is known of w, and w times the rest of rho, so that where nothing was
+// measured it is the prior: (rho^2 + var rho) P_w.
 SeenMotion seen_motion(const LandmarkFunctions& landmark, const LandmarkVector& x,
                        const LandmarkMatrix& covariance) {
   const Eigen::Vector3d y = x.head<3>();
@@ -35,7 +37,12 @@ SeenMotion seen_motion(const LandmarkFunctions& landmark, const LandmarkVector& 
   J.leftCols(3) = w * J_rho_y;
   J.rightCols(landmark.motion) = rho * MotionMatrix::Identity(landmark.motion, landmark.motion);
   const double variance = J_rho_y * covariance.topLeftCorner(3, 3) * J_rho_y.transpose();
-  return {rho * w, J * covariance * J.transpose(), std::sqrt(rho * rho + variance)};
+  const MotionVector P_w_rho =
+      covariance.bottomLeftCorner(landmark.motion, 3) * J_rho_y.transpose();
+  const MotionMatrix P_w = covariance.bottomRightCorner(landmark.motion, landmark.motion);
+  const MotionMatrix given_rho_times = variance * P_w - P_w_rho * P_w_rho.transpose();
+  return {rho * w, J * covariance * J.transpose() + given_rho_times,
+          std::sqrt(rho * rho + variance)};
 }
 
 }  // namespace

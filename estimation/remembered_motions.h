@@ -35,7 +35,7 @@ class RememberedMotions {
   void know_given(const Eigen::Ref<const Eigen::MatrixXd>& C) { J_ -= C.transpose() * C; }
 
   // The marginal of w of the i-th. None where it is not determined. The manager fills in
-  // MotionBelief::prior_sigmas and outside.
+  // MotionBelief::prior_sigmas and outside; `seen` is w itself, since at w = 0 no depth enters.
   std::optional<MotionBelief> motion(std::size_t i, const LandmarkFunctions& functions) const;
 
   // The i-th may move. False, and nothing done, where its motion is not determined.

@@ -22,7 +22,10 @@ bool is_image(const std::filesystem::path& file) {
 
 std::vector<std::string> images_of(const std::filesystem::path& folder) {
   std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+  std::error_code fault;
+  const std::filesystem::directory_iterator files(folder, fault);
+  if (fault) throw InputError(folder, 0, "cannot be read: " + fault.message());
+  for (const auto& entry : files) {
     if (is_image(entry.path())) names.push_back(entry.path().filename().string());
   }
   std::ranges::sort(names, [](const std::string& a, const std::string& b) {

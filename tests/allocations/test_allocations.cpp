@@ -143,6 +143,11 @@ TEST_P(Allocations, NoneByAWarmFilter) {
   expect_no_allocation(*make_ekf(setup, models, {}), setup);
 }
 
+TEST_P(Allocations, NoneByAWarmFilterInMetres) {
+  models.landmark = "dynamic_inverse_depth";
+  expect_no_allocation(*make_ekf(setup, models, {}), setup);
+}
+
 TEST_P(Allocations, NoneByAWarmWindow) {
   WindowOptions options;
   options.frames = 10;

@@ -91,7 +91,7 @@ TEST(Odds, AreThePosteriorOverThePriorDensityAtRest) {
 }
 
 // A pixel has moved by nine sigmas, at a depth of which little is known: in metres a second the
-// Gaussian reaches rest, and no rest makes a pixel move.
+// Gaussian reaches rest, and nothing at rest moves a pixel.
 TEST(Odds, AreAskedOfWhatAPixelMeasures) {
   using Model = DynamicInverseDepth<InverseDepth>;
   constexpr auto kLandmark = landmark_row<Model>();
@@ -108,14 +108,41 @@ TEST(Odds, AreAskedOfWhatAPixelMeasures) {
   MotionBelief asked = motion_belief(1, kLandmark, x, P);
   asked.prior_sigmas = MotionVector::Ones(3);
   ASSERT_TRUE(asked.seen);
-  EXPECT_NEAR(asked.seen->rho_w.x() / std::sqrt(asked.seen->covariance(0, 0)), u / u_sigma, 1e-6);
-  EXPECT_DOUBLE_EQ(asked.seen->rho, std::hypot(rho, rho_sigma));
+  const double mean_square = std::hypot(rho, rho_sigma);
+  EXPECT_NEAR(asked.seen->rho_w.x() / std::sqrt(asked.seen->covariance(0, 0)),
+              u / u_sigma * rho / mean_square, 1e-6);
+  EXPECT_DOUBLE_EQ(asked.seen->rho, mean_square);
   EXPECT_EQ(decide(odds(), asked), Label::kMoving);
 
   // The thesis asks for the velocity in metres.
   EXPECT_LT(mahalanobis_from_zero(asked.w, asked.covariance), 1.5);
   asked.seen.reset();
-  EXPECT_NE(decide(odds(), asked), Label::kMoving);
+  EXPECT_EQ(decide(odds(), asked), Label::kStatic);
+}
+
+// At any depth, known or not, in every point parametrisation.
+TEST(Odds, AreThePriorOnesWhereNothingWasMeasured) {
+  const LandmarkPrior prior;
+  for (const LandmarkFunctions& landmark : landmark_table()) {
+    if (!landmark.can_move || !landmark.motion_in_metres) continue;
+    const Eigen::Vector3d y = point_at(landmark.point, {0.5, 0.2, 3.0});
+    const Eigen::RowVector3d J = landmark.point.inverse_depth_jacobian(y);
+    for (const double rho_sigma : {0.01, 0.3, 3.0}) {
+      SCOPED_TRACE(std::string(landmark.name) + ", " + std::string(landmark.point.name));
+      const MotionVector sigmas = landmark.prior_sigmas(prior);
+      LandmarkMatrix P = LandmarkMatrix::Zero(landmark.dim(), landmark.dim());
+      P.topLeftCorner(3, 3) =
+          rho_sigma * rho_sigma / std::pow(J.squaredNorm(), 2) * J.transpose() * J;
+      P.bottomRightCorner(landmark.motion, landmark.motion) =
+          sigmas.cwiseAbs2().asDiagonal().toDenseMatrix();
+      MotionBelief asked =
+          motion_belief(1, landmark, landmark_state(y, MotionVector::Zero(landmark.motion)), P);
+      asked.prior_sigmas = sigmas;
+      const auto log_ratio = log_odds_ratio_of_rest(asked);
+      ASSERT_TRUE(log_ratio);
+      EXPECT_NEAR(*log_ratio, 0.0, 1e-9);
+    }
+  }
 }
 
 // What is said from outside multiplies the ratio too, and without it nothing changes.

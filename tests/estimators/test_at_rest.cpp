@@ -2,6 +2,10 @@
 // its point moves.
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <string>
+#include <tuple>
+
 #include "datasets/simulation/random/random_stream.h"
 #include "datasets/simulation/scene/known_landmarks.h"
 #include "datasets/simulation/scene/statements.h"
@@ -37,9 +41,9 @@ Sequence from_rest(std::uint64_t seed) {
 
 class AtRest : public testing::TestWithParam<std::tuple<std::string, std::string>> {};
 
-TEST_P(AtRest, WhatMovesIsNotTakenForRest) {
+TEST_P(AtRest, TellsWhatMovesFromWhatRests) {
   const auto& [family, model] = GetParam();
-  int taken = 0, moving = 0;
+  int taken = 0, moving = 0, resting = 0, blamed = 0;
   long undone = 0;
   for (const std::uint64_t seed : {1, 2, 3}) {
     const Sequence sequence = from_rest(seed);
@@ -53,18 +57,20 @@ TEST_P(AtRest, WhatMovesIsNotTakenForRest) {
       estimator->process(frame, stages);
       if (frame.index < kDecided) continue;
       for (const LandmarkEstimate& landmark : estimator->landmarks_measured(frame.index)) {
-        if (landmark.track >= kMoving) continue;
-        taken += landmark.label == Label::kStatic ? 1 : 0;
-        moving += landmark.label == Label::kMoving ? 1 : 0;
+        const bool moves = landmark.track < kMoving;
+        (moves ? taken : resting) += landmark.label == Label::kStatic ? 1 : 0;
+        (moves ? moving : blamed) += landmark.label == Label::kMoving ? 1 : 0;
       }
     }
     for (const Mechanism& device : estimator->in_force()) {
       if (device.name == "labels undone") undone += device.acted;
     }
   }
-  std::printf("moving: %d said to move, %d to rest; %ld labels undone\n", moving, taken, undone);
+  std::printf("moving: %d said to move, %d to rest; at rest: %d to rest, %d to move; %ld undone\n",
+              moving, taken, resting, blamed, undone);
   EXPECT_GT(moving, 400);
   EXPECT_LE(50 * taken, moving);
+  EXPECT_LE(50 * blamed, resting);
   EXPECT_LT(undone, 20);
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 
 #include "datasets/simulation/scenario.h"
 #include "eval/configuration/setup.h"
@@ -36,8 +37,8 @@ Sequence told(bool is_told) {
 }
 
 CameraEstimate last_camera(const Sequence& sequence, Gauge gauge, int frames) {
-  slammot::Setup setup = make_setup(sequence, Configuration{});
-  setup.measures_scale = false;  // at the beginning nothing does
+  // At the beginning nothing measures the scale.
+  const slammot::Setup setup = make_setup(told(false), Configuration{});
   ModelOptions models;
   models.landmark = "inverse_depth";
   models.gauge = gauge;
@@ -61,7 +62,7 @@ TEST(ScaleMoved, WhatHasLeftTheWindowSaysWhatItsMeasurementsSay) {
   const CameraEstimate all = last_camera(sequence, Gauge::kScale, kAll);
   const CameraEstimate before = last_camera(told(false), Gauge::kScale, kAll);
   const double moved = std::log(all.state.position.norm() / before.state.position.norm());
-  EXPECT_GT(std::abs(moved), 0.02);
+  EXPECT_GT(std::abs(moved), 0.2);
 
   for (const int frames : {5, 10}) {
     const CameraEstimate window = last_camera(sequence, Gauge::kScale, frames);
@@ -69,15 +70,18 @@ TEST(ScaleMoved, WhatHasLeftTheWindowSaysWhatItsMeasurementsSay) {
     const double covariance = test::relative_difference(window.covariance, all.covariance);
     std::printf("scale moved by %.3f, window of %d: state %.3f sigma, covariance %.4f\n", moved,
                 frames, state, covariance);
-    EXPECT_LT(state, 0.3);
+    EXPECT_LT(state, 0.15);
     EXPECT_LT(covariance, 0.02);
   }
 }
 
-TEST(ScaleMoved, InPlainCoordinatesItDoesNot) {
+TEST(ScaleMoved, InPlainCoordinatesItIsFartherOff) {
   const Sequence sequence = told(true);
   const CameraEstimate all = last_camera(sequence, Gauge::kScale, kAll);
-  EXPECT_GT(largest_difference(last_camera(sequence, Gauge::kNone, 5), all), 3.0);
+  const double plain = largest_difference(last_camera(sequence, Gauge::kNone, 5), all);
+  const double chart = largest_difference(last_camera(sequence, Gauge::kScale, 5), all);
+  std::printf("window of 5: state %.3f sigma, in plain coordinates %.3f\n", chart, plain);
+  EXPECT_GT(plain, 3.0 * chart);
 }
 
 }  // namespace
