@@ -53,7 +53,7 @@ inline constexpr double kMissedByStatic = 6.0;
 
 // Admission, removal, the size of the map, and who corrects the camera; see track_policy.h.
 struct TrackPolicy {
-  int max_landmarks = 1000;  // landmarks in the state at once
+  int max_landmarks = 300;  // landmarks in the state at once; the one unseen longest leaves
   // Births wait while this many landmarks are being measured; unset: kUsuallyVisible.
   std::optional<int> max_visible;
   // Frames without an accepted measurement until it is pruned; kMissedByStatic times as many that
