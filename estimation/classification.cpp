@@ -24,25 +24,22 @@ std::optional<double> log_density_at_zero(const MotionVector& mean,
   return -0.5 * squared - log_normalisation - log_root_determinant;
 }
 
-// Of first order in what is known of w, and w times the rest of rho, so that where nothing was
-// measured it is the prior: (rho^2 + var rho) P_w.
+// With c = cov(w, rho): to first order var(rho) w w' + rho (w c' + c w') + rho^2 P_w, and
+// var(rho) P_w|rho beside it, so that where nothing was measured it is the prior's.
 SeenMotion seen_motion(const LandmarkFunctions& landmark, const LandmarkVector& x,
                        const LandmarkMatrix& covariance) {
   const Eigen::Vector3d y = x.head<3>();
   const MotionVector w = x.tail(landmark.motion);
   const double rho = landmark.point.inverse_depth(y);
-  const Eigen::RowVector3d J_rho_y = landmark.point.inverse_depth_jacobian(y);
-  BoundedMatrix<Eigen::Dynamic, Eigen::Dynamic, kMaxMotion, kMaxLandmark> J(landmark.motion,
-                                                                            landmark.dim());
-  J.leftCols(3) = w * J_rho_y;
-  J.rightCols(landmark.motion) = rho * MotionMatrix::Identity(landmark.motion, landmark.motion);
-  const double variance = J_rho_y * covariance.topLeftCorner(3, 3) * J_rho_y.transpose();
-  const MotionVector P_w_rho =
-      covariance.bottomLeftCorner(landmark.motion, 3) * J_rho_y.transpose();
+  const Eigen::RowVector3d J = landmark.point.inverse_depth_jacobian(y);
+  const double variance = J * covariance.topLeftCorner(3, 3) * J.transpose();
+  const MotionVector c = covariance.bottomLeftCorner(landmark.motion, 3) * J.transpose();
   const MotionMatrix P_w = covariance.bottomRightCorner(landmark.motion, landmark.motion);
-  const MotionMatrix given_rho_times = variance * P_w - P_w_rho * P_w_rho.transpose();
-  return {rho * w, J * covariance * J.transpose() + given_rho_times,
-          std::sqrt(rho * rho + variance)};
+  const double mean_square = rho * rho + variance;
+  return {rho * w,
+          mean_square * P_w + variance * w * w.transpose() +
+              rho * (w * c.transpose() + c * w.transpose()) - c * c.transpose(),
+          std::sqrt(mean_square)};
 }
 
 }  // namespace
