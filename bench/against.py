@@ -1,21 +1,28 @@
-"""against.py COMMIT [SEQUENCE ...]: CPU time of whole runs of the window by an earlier commit and by build/release, in turn on this machine.
+"""against.py COMMIT OUTPUT [SEQUENCE ...] [--runs 20] [--seed 66701] [--jobs 1]: is build/release better than an earlier commit, and what does it cost?
 
-The commit is built beside, in slammot-out/against-COMMIT; that takes minutes. Without a sequence it is `circle` with seed 5, written by the present
-program. *Same method*: settings that take away what 4c410ac did not have. Both run with the same BLAS kernels, Haswell's unless OPENBLAS_CORETYPE
-says otherwise. Nothing else should run meanwhile.
+EKF and window, at the defaults of each, run the same sequences by both programs, one after the other: the scenes of believable.yaml with `runs` seeds, which the
+present program writes, or the sequences named. The commit is built in slammot-out/against-COMMIT; that takes minutes. OUTPUT keeps a line for each run
+and is not computed again. For each scene and family: the geometric mean of now / before, pair by pair, with its 95% interval (none from fewer than five
+pairs), of position RMSE, of the pose's mean NEES, and of the CPU time of a whole run; the runs that failed; the labels of landmarks seen, wrong or undecided.
+Times are of use only where `--jobs 1` and nothing else run.
 """
+import argparse
+import collections
+import concurrent.futures
+import json
+import math
 import os
 import pathlib
-import resource
 import shutil
 import statistics
 import subprocess
 import sys
-import tempfile
+
+import scipy.stats
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-SAME_METHOD = ["classifier=thesis", "labels.memory=0", "labels.sightings=2", "labels.births=static_first", "gate.given_others=1", "prior.steady_time=0"]
-TURNS = 2
+NOW = ROOT / "build/release/slammot"
+SCENES = {"circle": ["circle"], "square": ["square"], "circle with 3 in 10": ["circle", "--set", "moving=600", "--set", "first_moving=14"]}
 
 
 def built(commit):
@@ -28,36 +35,101 @@ def built(commit):
     return tree / "build/release/slammot"
 
 
-def cpu_seconds(program, sequence, frames, settings, folder):
-    environment = {**os.environ, "OPENBLAS_CORETYPE": os.environ.get("OPENBLAS_CORETYPE", "Haswell")}
-    changes = [word for setting in [f"window.frames={frames}", *settings] for word in ("--set", setting)]
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run([program, "run", sequence, "--estimator", "window", *changes, "--output", folder / "run"], env=environment, check=False,
-                          stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    if done.returncode == 2:
-        sys.exit(f"{program} refuses {sequence} or a setting")
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    shutil.rmtree(folder / "run")
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+def cpu_seconds(arguments, log):
+    """CPU time of a program, which may fail: what it wrote is looked at afterwards. OpenBLAS uses one thread and Haswell's kernels, the same for both."""
+    environment = {"OPENBLAS_CORETYPE": "Haswell", "OPENBLAS_NUM_THREADS": "1", **os.environ}
+    with open(log, "wb") as text:
+        process = subprocess.Popen([str(a) for a in arguments], env=environment, stdout=text, stderr=subprocess.STDOUT)
+        _, status, used = os.wait4(process.pid, 0)
+    if os.waitstatus_to_exitcode(status) == 2:
+        sys.exit(f"{' '.join(map(str, arguments))} is refused: {log.read_text(encoding='utf-8')}")
+    return used.ru_utime + used.ru_stime
 
 
-def main(commit, sequences):
-    here, there = ROOT / "build/release/slammot", built(commit)
-    with tempfile.TemporaryDirectory() as name:
-        folder = pathlib.Path(name)
-        if not sequences:
-            subprocess.run([here, "simulate", "circle", "--seed", "5", "--output", folder / "circle"], check=True, stdout=subprocess.DEVNULL)
-            sequences = [folder / "circle"]
-        print(f"{'':32}{commit + ' [s]':>14}{'same method':>14}{'ratio':>8}{'defaults':>10}{'ratio':>8}")
-        for sequence in map(pathlib.Path, sequences):
-            for frames in (10, 20):
-                turns = [[cpu_seconds(program, sequence, frames, settings, folder)
-                          for program, settings in ((there, []), (here, SAME_METHOD), (here, []))] for _ in range(TURNS)]
-                before, same, now = map(statistics.mean, zip(*turns))
-                print(f"{sequence.name + f', window of {frames}':32}{before:14.1f}{same:14.1f}{before / same:8.1f}{now:10.1f}{before / now:8.1f}", flush=True)
+def measured(program, sequence, estimator, folder):
+    """What is compared, of one run."""
+    run = folder / "run"
+    seconds = cpu_seconds([program, "run", sequence, "--estimator", estimator, "--output", run], folder / "run.log")
+    metrics = json.loads((run / "metrics.json").read_text(encoding="utf-8"))
+    shutil.rmtree(run)
+    judged = metrics["filtered"]
+    labels = metrics.get("classification") or {}
+    return {"rmse": judged["accuracy"]["position_rmse_m"], "sim3": judged["accuracy"]["ate_sim3_m"], "nees": ((judged["nees"] or {}).get("pose") or {}).get("mean"),
+            "cpu": seconds, "failed": metrics["failed"] or metrics["diverged"], "warned": bool(metrics["warnings"]),
+            "labels": [labels[kind][verdict] for kind in ("static", "moving") for verdict in ("right", "wrong", "undecided")] if labels else None}
+
+
+def pair(case, programs, output):
+    """Both programs on one sequence, by one family; a case that OUTPUT has is read."""
+    scene, seed, sequence, estimator = case
+    name = f"{scene} {seed} {estimator}".replace(" ", "_")
+    stored = output / f"{name}.json"
+    if stored.exists():
+        return json.loads(stored.read_text(encoding="utf-8"))
+    folder = output / f"{name}.work"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    if sequence is None:
+        sequence = folder / "sequence"
+        subprocess.run([NOW, "simulate", *SCENES[scene], "--seed", str(seed), "--output", sequence], check=True, stdout=subprocess.DEVNULL)
+    found = {"scene": scene, "estimator": estimator, **{age: measured(program, sequence, estimator, folder) for age, program in programs.items()}}
+    shutil.rmtree(folder)
+    stored.write_text(json.dumps(found), encoding="utf-8")
+    return found
+
+
+def ratio(pairs, key):
+    """The geometric mean of now / before, and its interval by Student's t."""
+    logs = [math.log(p["now"][key] / p["before"][key]) for p in pairs if p["now"][key] and p["before"][key]]
+    if not logs:
+        return "-"
+    text = f"{math.exp(statistics.mean(logs)):.3g}"
+    if len(logs) < 5:
+        return text
+    half = scipy.stats.t.ppf(0.975, len(logs) - 1) * statistics.stdev(logs) / math.sqrt(len(logs))
+    return f"{text} [{math.exp(statistics.mean(logs) - half):.3g}, {math.exp(statistics.mean(logs) + half):.3g}]"
+
+
+def labels_of(pairs, age):
+    """Static ones and moving ones that are wrong or undecided, in per cent."""
+    counts = [p[age]["labels"] for p in pairs if p[age]["labels"]]
+    if not counts:
+        return "-"
+    sums = [sum(column) for column in zip(*counts)]
+    return ", ".join(f"{100 * (1 - right / max(1, right + wrong + undecided)):.1f}" for right, wrong, undecided in (sums[:3], sums[3:]))
+
+
+def table(pairs):
+    cells = collections.defaultdict(list)
+    for p in pairs:
+        cells[p["scene"], p["estimator"]].append(p)
+    print("| scene | estimator | pairs | RMSE | ATE Sim(3) | NEES | NEES before, now | failed | warned | labels before | now [%] | CPU |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|---|")
+    for (scene, estimator), found in cells.items():
+        counts = {what: " to ".join(str(sum(p[age][what] for p in found)) for age in ("before", "now")) for what in ("failed", "warned")}
+        nees = [[p[age]["nees"] for p in found if p[age]["nees"]] for age in ("before", "now")]
+        means = ", ".join(f"{statistics.mean(n):.3g}" if n else "-" for n in nees)
+        print(f"| {scene} | {estimator} | {len(found)} | {ratio(found, 'rmse')} | {ratio(found, 'sim3')} | {ratio(found, 'nees')} | {means} | {counts['failed']} | {counts['warned']} | "
+              f"{labels_of(found, 'before')} | {labels_of(found, 'now')} | {ratio(found, 'cpu')} |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("commit")
+    parser.add_argument("output", type=pathlib.Path)
+    parser.add_argument("sequences", nargs="*", type=pathlib.Path)
+    parser.add_argument("--runs", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=66701)
+    parser.add_argument("--jobs", type=int, default=1)
+    given = parser.parse_args()
+    given.output.mkdir(parents=True, exist_ok=True)
+    programs = {"before": built(given.commit), "now": NOW}
+    drawn = [(scene, given.seed + i, None) for i in range(given.runs) for scene in SCENES]
+    named = [(path.name, 0, path) for path in given.sequences]
+    cases = [(*case, estimator) for case in named or drawn for estimator in ("ekf", "window")]
+    with concurrent.futures.ThreadPoolExecutor(given.jobs) as workers:
+        table(list(workers.map(lambda case: pair(case, programs, given.output), cases)))
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
-        sys.exit(__doc__.splitlines()[0])
-    main(sys.argv[1], sys.argv[2:])
+    main()
