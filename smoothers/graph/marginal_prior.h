@@ -113,6 +113,7 @@ class MarginalPrior {
 
  private:
   void compute_gram() const;
+  void bend_gram();
   void erase_linear(int offset, int dim);
   void find_runs() const;
   Eigen::Index row_of(int column) const;  // the first that begins there or later
@@ -126,7 +127,8 @@ class MarginalPrior {
   Eigen::VectorXd r_;
   std::vector<int> starts_;
 
-  // R'R, computed once after R has changed; every step needs it.
+  // R'R, its lower triangle, computed once after set(), condition_on_zero() or join(); every step
+  // needs it.
   mutable GrowingMatrix gram_, of_core_;
   mutable bool has_gram_ = false;
   mutable std::vector<Run> runs_;

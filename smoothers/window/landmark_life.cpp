@@ -5,10 +5,14 @@
 namespace slammot {
 
 // `condition` states that they never moved: their window's measurements change, and with them the
-// estimate. `drop` marginalises w, at the next update.
+// estimate, but of one that has entered with this frame no motion was seen. `drop` marginalises w,
+// at the next update.
 void Window::collapse(std::span<const int> tracks) {
+  bool changes_estimate = false;
   for (const int track : tracks) {
     WindowLandmark& landmark = landmarks_.at(track);
+    const GraphLandmark& l = graph_[landmark.id];
+    const bool is_new = l.steps() == 0 && graph_.variables[l.w].is_private;
     if (histories_) {
       std::vector<LandmarkVector> states = graph_.states(graph_[landmark.id]);
       states.pop_back();
@@ -21,11 +25,13 @@ void Window::collapse(std::span<const int> tracks) {
     if (condition_) {
       graph_.constrain_to_rest(landmark.id, rest_time);
       if (!remembers_) graph_.forget_motion(landmark.id);
+      if (is_new) optimiser_.equations().add(graph_, landmark.id);
+      changes_estimate = changes_estimate || !is_new;
     } else {
       landmark.drops = true;
     }
   }
-  if (condition_) take_step();
+  if (changes_estimate) take_step();
 }
 
 void Window::forget_motions(std::span<const int> tracks) {

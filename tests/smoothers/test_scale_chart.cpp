@@ -102,6 +102,8 @@ TEST_P(ScaleCharts, KeepTheLawsOfAPrior) {
   test::expect_jacobian_of_the_residual(at.prior, at.variables, 1e-6 * J.norm());
   test::expect_normal_equations(at.prior, at.prior.cols(), J, at.prior.residual(), 1e-10);
   test::expect_the_same_when_relinearised(at.both);
+  test::expect_normal_equations(at.prior, at.prior.cols(), at.prior.jacobian(), at.prior.residual(),
+                                1e-10);  // the Gram that is kept is relinearised too
 }
 
 // An inactive variable that is a landmark of the prior follows it exactly, however the scale moves.
