@@ -4,6 +4,16 @@
 
 namespace slammot {
 
+namespace {
+
+bool is_measured_by(const GraphLandmark& l, const WindowFrame* frame) {
+  return frame && std::ranges::any_of(l.pixels, [&](const GraphPixel& pixel) {
+           return pixel.position == frame->camera.position;
+         });
+}
+
+}  // namespace
+
 // Where the scale is kept. What was linearised at another estimate would seem to tell it.
 void Departures::linearise() {
   if (graph_.keeps_scale()) graph_.linearise();
@@ -80,18 +90,18 @@ void Departures::add(const WindowLandmark& landmark, const WindowFrame* oldest, 
   const GraphLandmark& l = graph_[landmark.id];
   if (is_inactive(l.y)) return;
   const Departure d = departure_of(landmark, oldest, is_pruned);
-  const VariableId position = oldest ? oldest->camera.position : -1;
-  const bool is_measured = std::ranges::any_of(
-      l.pixels, [&](const GraphPixel& pixel) { return pixel.position == position; });
-  const bool is_born = l.anchor == position && l.birth.rows() > 0;
-  if (is_measured || is_born || d.absorbs_prior_of_w) leaving_.departures.push_back(d);
+  const bool is_born = oldest && l.anchor == oldest->camera.position && l.birth.rows() > 0;
+  if (is_measured_by(l, oldest) || is_born || d.absorbs_prior_of_w)
+    leaving_.departures.push_back(d);
 }
 
-// The base of a free landmark that stands in the oldest frame moves on to the next; a landmark that
-// was pruned leaves with the last frame that measured it.
+// The base of a free landmark that stands in the oldest frame moves on to the next. A landmark that
+// was pruned leaves with the first frame that measured it, whole: the core would be several times
+// as large with all that is never seen again.
 Departure Departures::departure_of(const WindowLandmark& landmark, const WindowFrame* oldest,
                                    bool is_pruned) const {
-  const int steps = graph_[landmark.id].steps();
+  const GraphLandmark& l = graph_[landmark.id];
+  const int steps = l.steps();
   const bool is_based = oldest && landmark.base == oldest->camera.position;
   Departure d;
   d.landmark = landmark.id;
@@ -103,7 +113,10 @@ Departure Departures::departure_of(const WindowLandmark& landmark, const WindowF
     d.steps = 1;
     d.absorbs_prior_of_w = true;
   }
-  if (is_pruned && is_based && (!landmark.is_free || steps == 0)) {
+  const bool has_begun_to_leave =
+      is_based || !graph_.variables[l.y].is_private || is_measured_by(l, oldest);
+  if (is_pruned && oldest && has_begun_to_leave) {
+    d.steps = steps;
     d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
   }
   return d;

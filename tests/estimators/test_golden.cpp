@@ -1,9 +1,9 @@
 // The figures from before the work on speed: whatever is made faster, they stay.
 //
 // tests/golden/ was printed by the program of commit c6c1f48, with the defaults of its time, to
-// which those that have changed are set back. The window's is of 366466a, which agreed with it to
-// 1e-12, after 20 iterations, since its last step is chosen otherwise now. Other processors
-// round otherwise, which 200 frames carry to about 1e-11; a changed result is 1e-9 away.
+// which those that have changed are set back. The window's is of the program in which landmarks
+// that were pruned leave it whole; before, it differed by 1e-5. Other processors round otherwise,
+// which 200 frames carry to about 1e-11; a changed result is 1e-9 away.
 #include <gtest/gtest.h>
 
 #include "datasets/simulation/scenario.h"
@@ -33,7 +33,8 @@ std::vector<GoldenFrame> read_golden(const std::string& name) {
         "covariance, by frame;"}});
   constexpr std::string_view kPrinted[] = {
       "# printed by the program of commit c6c1f48, before the work on speed began",
-      "# printed by the program of commit 366466a, after 20 iterations"};
+      "# printed by the program in which pruned landmarks leave whole, after 20 "
+      "iterations"};
   table.expect_header(kPrinted);
   while (table.next_comma_row(29)) {
     GoldenFrame row;

@@ -95,6 +95,34 @@ TEST(ConstrainedMotion, IsKnownAsWellAsIfNothingHadLeftTheWindow) {
 // Frames in which the camera turns on as it was predicted to, though it is measured: the camera's
 // noise changes its rates by 4 degrees/s from one frame to the next. At the camera's pole
 // (observation.h) every step of the solution would put a mover's pixel behind the camera.
+// Tracks of four frames, as of images, in a small map: all have been pruned before their first
+// frame leaves, so that each leaves whole and the prior never holds one.
+TEST(PrunedLandmarks, LeaveTheWindowWhole) {
+  constexpr int kLife = 4, kWindow = 12;
+  Sequence sequence = simulate("circle", {{"frames", "60"}, {"moving", "0"}, {"known", "0"}}, 3);
+  for (Frame& frame : sequence.frames) {
+    for (Observation& z : frame.observations) {
+      z.track += 1000 * ((frame.index + z.track) / kLife);
+    }
+    std::ranges::sort(frame.observations, {}, &Observation::track);
+  }
+  Configuration configuration;
+  configuration.window.frames = kWindow;
+  configuration.model.policy.max_landmarks = 40;
+  LoopedWindow run(sequence, configuration);
+  std::size_t in_prior = 0, measured = 0;
+  for (const Frame& frame : sequence.frames) {
+    run.process(frame);
+    if (frame.index < 2 * kWindow) continue;
+    measured += frame.observations.size();
+    in_prior += static_cast<std::size_t>(std::ranges::count_if(
+        run.window->graph().prior().active.blocks(),
+        [](const auto& block) { return block.variable->orbit.kind == ScaleOrbit::Kind::kPoint; }));
+  }
+  EXPECT_GT(measured, 500u);
+  EXPECT_EQ(in_prior, 0u);
+}
+
 TEST(Pole, AMoverThatIsDrawnToItDoesNotStopTheWindow) {
   Configuration configuration;
   assign(configuration, {"prior.acceleration", "1"});
