@@ -33,6 +33,22 @@ struct RunArguments {
   ConfigurationOptions configuration;
 };
 
+// What a run says of itself after its table; the exit code.
+int tell(const RunResult& run, const RunMetrics& metrics, const std::string& estimator,
+         bool exact_truth) {
+  for (const RunWarning& w : run.warnings) {
+    fmt::print(stderr, "slammot: warning: {}{}\n", estimator, told(w));
+  }
+  if (metrics.failed) {
+    fmt::print(stderr, "slammot: failed at frame {}: the error exceeds {}\n", *metrics.failed,
+               failure_bound(!exact_truth));
+  }
+  if (!run.diverged) return 0;
+  fmt::print(stderr, "slammot: diverged at frame {}: {}\n", run.diverged->frame,
+             run.diverged->reason);
+  return 1;
+}
+
 int execute(const RunArguments& arguments) {
   const EstimatorRow& row = find_estimator(arguments.estimator);  // before anything slow
   const Configuration configuration = configuration_from(arguments.configuration);
@@ -64,17 +80,7 @@ int execute(const RunArguments& arguments) {
   fmt::print("{}{}{}\n", metrics_table(named), arguments.verbose ? in_force_table(named) : "",
              output);
   fmt::print(stderr, "{}", without_effect_lines(named));
-  for (const RunWarning& w : run.warnings) {
-    fmt::print(stderr, "slammot: warning: {}{}\n", arguments.estimator, told(w));
-  }
-  if (metrics.failed) {
-    fmt::print(stderr, "slammot: failed at frame {}: the error exceeds {}\n", *metrics.failed,
-               failure_bound(!sequence.exact_truth));
-  }
-  if (!run.diverged) return 0;
-  fmt::print(stderr, "slammot: diverged at frame {}: {}\n", run.diverged->frame,
-             run.diverged->reason);
-  return 1;
+  return tell(run, metrics, arguments.estimator, sequence.exact_truth);
 }
 
 }  // namespace

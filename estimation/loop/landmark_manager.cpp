@@ -218,12 +218,7 @@ void LandmarkManager::in_force(InForce& result) const {
   const bool odds = m.classifier.name == "odds";
   result.push_back({"labels by posterior odds", "classifier", odds && can_move, odds ? at_rest : "",
                     odds ? answered_ : 0});
-  if (!setup_.p_static.empty()) {
-    const bool weighs = classifier_->weighs_odds();
-    const std::string other = can_move ? "classifier=" + m.classifier.name : at_rest;
-    result.push_back(
-        {"births with odds from outside", "priors.csv", weighs, weighs ? "" : other, with_odds_});
-  }
+  state_outside(at_rest, result);
   state_births(remembers ? no_memory : "labels.memory=0", result);
   const bool condition = m.collapse == Collapse::kCondition;
   result.push_back({"rest used as a measurement", "collapse", condition && can_move,
@@ -234,6 +229,15 @@ void LandmarkManager::in_force(InForce& result) const {
   const bool learns = m.depth_prior != DepthPriorSource::kFixed;
   result.push_back({"depth prior learnt from the map", "prior.source", depth_prior_.learns(),
                     learns && !depth_prior_.learns() ? "nothing holds the scale" : "", learnt_});
+}
+
+// `at_rest`: why nothing can move, or empty.
+void LandmarkManager::state_outside(const std::string& at_rest, InForce& result) const {
+  if (setup_.p_static.empty()) return;
+  const bool weighs = classifier_->weighs_odds();
+  const std::string other = at_rest.empty() ? "classifier=" + models_.classifier.name : at_rest;
+  result.push_back(
+      {"births with odds from outside", "priors.csv", weighs, weighs ? "" : other, with_odds_});
 }
 
 // `no_memory`: why nothing is remembered, or empty.

@@ -52,6 +52,7 @@ class LandmarkManager {
   void note_motions(int frame);
   void apply(const Undoing& undoing, Belief& belief);
   void complete(MotionBelief& motion) const;
+  void state_outside(const std::string& at_rest, InForce& result) const;
   void state_births(const std::string& no_memory, InForce& result) const;
   Label answer(const MotionBelief& motion, TrackRecord& record) const;
   void remove(Belief& belief, FrameReport& report);  // tracks_

@@ -38,6 +38,16 @@ Json landmark_json(const LandmarkEstimate& l, const Similarity& s) {
   return json;
 }
 
+// By frame, of those that can be shown.
+std::map<int, Json> landmarks_json(const RunResult& run, const Similarity& alignment) {
+  std::map<int, Json> landmarks;
+  for (const LandmarkRecord& record : run.every_frame) {
+    Json l = landmark_json(record.estimate, alignment);
+    if (!l.is_null()) landmarks[record.frame].push_back(std::move(l));
+  }
+  return landmarks;
+}
+
 Json run_json(const Study& study, const StudyCell& cell) {
   const FrameSelection& frames = cell.configuration.frames;
   const Sequence sequence =
@@ -48,11 +58,7 @@ Json run_json(const Study& study, const StudyCell& cell) {
   // As elsewhere on the page: beside a measured truth stands the aligned estimate.
   const Similarity alignment =
       sequence.exact_truth ? Similarity{} : similarity(pair_with_truth(sequence, run.filtered));
-  std::map<int, Json> landmarks;
-  for (const LandmarkRecord& record : run.every_frame) {
-    Json l = landmark_json(record.estimate, alignment);
-    if (!l.is_null()) landmarks[record.frame].push_back(std::move(l));
-  }
+  std::map<int, Json> landmarks = landmarks_json(run, alignment);
   Json json = {{"label", cell.label},
                {"seed", study.first_seed},
                {"path", Json::array()},

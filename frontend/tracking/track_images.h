@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "datasets/sequence/sequence.h"
-#include "frontend/tracking/chessboard.h"
+#include "frontend/features/chessboard.h"
 #include "frontend/tracking/frame_images.h"
 #include "frontend/tracking/health.h"
 #include "frontend/tracking/noise.h"

@@ -12,8 +12,8 @@
 #include <optional>
 #include <vector>
 
-#include "frontend/tracking/corners.h"
-#include "frontend/tracking/patch.h"
+#include "frontend/features/corners.h"
+#include "frontend/features/patch.h"
 #include "models/measurement.h"
 
 namespace slammot {

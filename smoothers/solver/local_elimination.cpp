@@ -103,6 +103,10 @@ Eigen::Index LocalElimination::count_rows(const GraphLandmark& l, VariableId old
   return rows;
 }
 
+int LocalElimination::column_of(VariableId id) const {
+  return std::ranges::find(segments_, id, &Segment::variable)->column;
+}
+
 // Rows that have this coefficient of x after `depth` steps: carried back to x_0 by the F of their
 // linearisation, and from there on to x_d.
 void LocalElimination::fill_on_state(Eigen::Index row, Eigen::Index rows, int depth,
@@ -119,12 +123,27 @@ void LocalElimination::fill_on_state(Eigen::Index row, Eigen::Index rows, int de
   if (w_column_ >= 0) A.block(row, w_column_, rows, dim_ - 3) = coefficient.rightCols(dim_ - 3);
 }
 
+// Returns the next row.
+Eigen::Index LocalElimination::fill_birth(Eigen::Index row, const GraphLandmark& l) {
+  if (l.birth.rows() == 0) return row;
+  auto A = *A_;
+  const int rows = l.birth.rows();
+  LandmarkMatrix on_state = LandmarkMatrix::Zero(rows, dim_);
+  on_state.leftCols<3>() = l.birth.J_y.topRows(rows);
+  fill_on_state(row, rows, 0, on_state, l);
+  if (l.birth.kind == BirthPrior::Kind::kKnown) {
+    A.block(row, column_of(l.anchor), rows, 3) = l.birth.J_anchor.topRows(rows);
+  }
+  if (l.birth.kind == BirthPrior::Kind::kSharedDepth) {
+    A.block(row, column_of(l.birth.scene), rows, 1) = l.birth.J_scene.topRows(rows);
+  }
+  A.col(A.cols() - 1).segment(row, rows) = l.birth.r.head(rows);
+  return row + rows;
+}
+
 void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, VariableId oldest) {
   auto A = *A_;
   auto residual = A.col(A.cols() - 1);
-  const auto column = [&](VariableId id) {
-    return std::ranges::find(segments_, id, &Segment::variable)->column;
-  };
   Eigen::Index row = 0;
   for (int j = 0; j < departure_.steps; ++j, row += dim_) {
     A.block(row, row, dim_, dim_).setIdentity();
@@ -139,27 +158,14 @@ void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, Variable
     fill_on_state(row, 2, pixel.depth, on_state, l);
     if (l.constrained) A.block(row, constrained_column_, 2, pixel.J_w.cols()) = pixel.J_w;
     if (!pixel.z.here) {
-      A.block<2, 3>(row, column(pixel.position)) = pixel.at.J_pose.leftCols<3>();
-      A.block<2, 3>(row, column(l.anchor)) += pixel.at.J_anchor;
+      A.block<2, 3>(row, column_of(pixel.position)) = pixel.at.J_pose.leftCols<3>();
+      A.block<2, 3>(row, column_of(l.anchor)) += pixel.at.J_anchor;
     }
-    A.block<2, 3>(row, column(pixel.orientation)) = pixel.at.J_pose.rightCols<3>();
+    A.block<2, 3>(row, column_of(pixel.orientation)) = pixel.at.J_pose.rightCols<3>();
     residual.segment<2>(row) = pixel.at.r;
     row += 2;
   }
-  if (takes_birth(l, oldest) && l.birth.rows() > 0) {
-    const int rows = l.birth.rows();
-    LandmarkMatrix on_state = LandmarkMatrix::Zero(rows, dim_);
-    on_state.leftCols<3>() = l.birth.J_y.topRows(rows);
-    fill_on_state(row, rows, 0, on_state, l);
-    if (l.birth.kind == BirthPrior::Kind::kKnown) {
-      A.block(row, column(l.anchor), rows, 3) = l.birth.J_anchor.topRows(rows);
-    }
-    if (l.birth.kind == BirthPrior::Kind::kSharedDepth) {
-      A.block(row, column(l.birth.scene), rows, 1) = l.birth.J_scene.topRows(rows);
-    }
-    residual.segment(row, rows) = l.birth.r.head(rows);
-    row += rows;
-  }
+  if (takes_birth(l, oldest)) row = fill_birth(row, l);
   if (l.constrained) {
     const Eigen::Index motion = l.constrained->sigmas.size();
     A.block(row, constrained_column_, motion, motion) =

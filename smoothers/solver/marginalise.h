@@ -31,6 +31,7 @@ class Marginaliser {
   void take_leaving(Graph& graph, const Leaving& leaving);
   void take_new(Graph& graph, const Leaving& leaving);
   void count_rows(const Graph& graph, const Leaving& leaving);
+  void sort_rows();
   void fill(const Graph& graph, const Leaving& leaving);
   void count_prior_rows(const Graph& graph);
   void fill_prior(const Graph& graph, Eigen::Index first);

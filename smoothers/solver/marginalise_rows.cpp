@@ -11,7 +11,7 @@ void Marginaliser::add_rows(int start, Eigen::Index count) {
   starts_.insert(starts_.end(), static_cast<std::size_t>(count), start);
 }
 
-// In the order in which fill() makes them, and then where each goes: by their first column.
+// In the order in which fill() makes them.
 void Marginaliser::count_rows(const Graph& graph, const Leaving& leaving) {
   starts_.clear();
   for (std::size_t i = 0; i < local_count_; ++i) {
@@ -40,6 +40,11 @@ void Marginaliser::count_rows(const Graph& graph, const Leaving& leaving) {
     add_rows(start, kCameraDim);
   }
   count_prior_rows(graph);
+  sort_rows();
+}
+
+// Where each goes: by their first column.
+void Marginaliser::sort_rows() {
   row_.resize(starts_.size());
   std::vector<Eigen::Index>& by_start = by_start_;
   by_start.resize(starts_.size());

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "frontend/tracking/chessboard.h"
+#include "frontend/features/chessboard.h"
 #include "frontend/tracking/noise.h"
 #include "frontend/tracking/track_images.h"
 #include "tests/eval/fixture.h"

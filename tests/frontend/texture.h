@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 
-#include "frontend/tracking/patch.h"
+#include "frontend/features/patch.h"
 
 namespace slammot {
 

@@ -1,4 +1,4 @@
-#include "frontend/tracking/corners.h"
+#include "frontend/features/corners.h"
 
 #include <algorithm>
 #include <cmath>

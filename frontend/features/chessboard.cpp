@@ -1,4 +1,4 @@
-#include "frontend/tracking/chessboard.h"
+#include "frontend/features/chessboard.h"
 
 #include <fmt/format.h>
 

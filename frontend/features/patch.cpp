@@ -1,4 +1,4 @@
-#include "frontend/tracking/patch.h"
+#include "frontend/features/patch.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>

@@ -1,4 +1,4 @@
-#include "datasets/readers/oxts.h"
+#include "datasets/readers/kitti/oxts.h"
 
 #include <fmt/format.h>
 
