@@ -9,8 +9,8 @@
 #include "apps/support/writable.h"
 #include "datasets/native/native_writer.h"
 #include "datasets/output/output_folder.h"
+#include "datasets/simulation/parameters/parameters.h"
 #include "datasets/simulation/scenario.h"
-#include "datasets/simulation/scene/parameters.h"
 #include "frontend/rendering/render.h"
 
 namespace slammot {

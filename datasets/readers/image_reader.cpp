@@ -2,8 +2,8 @@
 
 #include "datasets/native/native_reader.h"
 #include "datasets/readers/euroc_images.h"
-#include "datasets/readers/kitti/kitti_images.h"
-#include "datasets/readers/kitti/kitti_raw_images.h"
+#include "datasets/readers/kitti_images.h"
+#include "datasets/readers/kitti_raw_images.h"
 #include "datasets/readers/plain_images.h"
 #include "datasets/readers/tum_images.h"
 #include "datasets/text/text_table.h"

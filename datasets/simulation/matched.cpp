@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "datasets/simulation/measured/second_view.h"
 #include "datasets/simulation/random/random_stream.h"
+#include "datasets/simulation/scene/second_view.h"
 #include "models/camera_motion.h"
 
 namespace slammot {

@@ -7,7 +7,7 @@
 #include "datasets/simulation/manoeuvres.h"
 #include "datasets/simulation/matched.h"
 #include "datasets/simulation/move_stop_move.h"
-#include "datasets/simulation/scene/parameters.h"
+#include "datasets/simulation/parameters/parameters.h"
 #include "datasets/simulation/square.h"
 #include "models/find_row.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "datasets/sequence/sequence.h"
-#include "datasets/simulation/scene/parameters.h"
+#include "datasets/simulation/parameters/parameters.h"
 
 namespace slammot {
 

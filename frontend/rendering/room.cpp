@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "datasets/simulation/measured/second_view.h"
+#include "datasets/simulation/scene/second_view.h"
 
 namespace slammot {
 

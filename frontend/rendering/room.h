@@ -15,8 +15,8 @@
 #include <string_view>
 #include <vector>
 
+#include "datasets/simulation/parameters/parameters.h"
 #include "datasets/simulation/random/random_stream.h"
-#include "datasets/simulation/scene/parameters.h"
 #include "models/camera_state.h"
 #include "models/rig.h"
 

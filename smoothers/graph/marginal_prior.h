@@ -127,8 +127,8 @@ class MarginalPrior {
   Eigen::VectorXd r_;
   std::vector<int> starts_;
 
-  // R'R, its lower triangle, computed once after set(), condition_on_zero() or join(); every step
-  // needs it.
+  // R'R, its lower triangle, computed once after set(), condition_on_zero(), join() or
+  // own_variables_changed(); every step needs it.
   mutable GrowingMatrix gram_, of_core_;
   mutable bool has_gram_ = false;
   mutable std::vector<Run> runs_;

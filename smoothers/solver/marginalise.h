@@ -13,7 +13,7 @@ namespace slammot {
 
 struct Leaving {
   std::optional<GraphCamera> oldest;    // with its measurements and its motion; its position stays
-  std::vector<Departure> departures;    // of landmarks that have rows to give
+  std::vector<Departure> departures;    // of landmarks with rows to give, or that go
   std::vector<VariableId> anchors;      // that no landmark uses any more; in the prior, or nowhere
   std::vector<VariableId> deactivated;  // moved to the conditional map; nothing else touches them
   LandmarkId apart = -1;                // in the prior, and to be considered from then on

@@ -85,7 +85,8 @@ void Departures::find(const WindowFrame* oldest, TrackHistories* histories) {
   for (const WindowLandmark& landmark : landmarks_.pruned) add(landmark, oldest, true);
 }
 
-// A landmark has a departure if the frame that leaves measured it or saw its birth, or its w drops.
+// A landmark has a departure if the frame that leaves measured it or saw its birth, if its w drops,
+// or if it was pruned and the prior holds it.
 void Departures::add(const WindowLandmark& landmark, const WindowFrame* oldest, bool is_pruned) {
   const GraphLandmark& l = graph_[landmark.id];
   if (is_inactive(l.y)) return;
@@ -96,8 +97,8 @@ void Departures::add(const WindowLandmark& landmark, const WindowFrame* oldest, 
 }
 
 // The base of a free landmark that stands in the oldest frame moves on to the next. A landmark that
-// was pruned leaves with the first frame that measured it, whole: the core would be several times
-// as large with all that is never seen again.
+// was pruned leaves whole, with the first frame that measured it, or at once where that has left:
+// the core would be several times as large with all that is never seen again.
 Departure Departures::departure_of(const WindowLandmark& landmark, const WindowFrame* oldest,
                                    bool is_pruned) const {
   const GraphLandmark& l = graph_[landmark.id];

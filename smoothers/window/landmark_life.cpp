@@ -12,7 +12,8 @@ void Window::collapse(std::span<const int> tracks) {
   for (const int track : tracks) {
     WindowLandmark& landmark = landmarks_.at(track);
     const GraphLandmark& l = graph_[landmark.id];
-    const bool is_new = l.steps() == 0 && graph_.variables[l.w].is_private;
+    const bool is_new =
+        l.anchor == cameras_.newest().camera.position && graph_.variables[l.w].is_private;
     if (histories_) {
       std::vector<LandmarkVector> states = graph_.states(graph_[landmark.id]);
       states.pop_back();

@@ -32,7 +32,7 @@ struct Case {
 };
 
 // Every field but the size of the state: a filter and a smoother that agree also report alike, but
-// a window keeps a pruned landmark until its last measurement leaves.
+// a window keeps a pruned landmark until its first measurement leaves.
 // `rounding`: how many times more of it there is than in a room of some metres.
 void expect_same(const FrameReport& a, const FrameReport& b, double rounding = 1.0) {
   const auto bar = [&](double of_a_room) { return rounding * of_a_room; };

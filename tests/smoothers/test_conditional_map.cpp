@@ -123,6 +123,22 @@ TEST_P(InactiveMap, WhileMotionsAreForgotten) {
   EXPECT_LT(test::change_by_marginalising(early, leaving), kExact);
 }
 
+// Whole, with several steps of its chain, of which the map depends.
+TEST_P(InactiveMap, WhileALandmarkThatMovesLeaves) {
+  Scene early(11, {GetParam()});
+  Leaving leaving = early.oldest_leaves();
+  leaving.deactivated = {early.graph[Scene::kBrief].y};
+  EXPECT_LT(test::change_by_marginalising(early, leaving), kExact);
+  early.move();
+  leaving.clear();
+  Departure& d = leaving.departures.emplace_back();
+  d.landmark = Scene::kMoving;
+  d.steps = early.graph[Scene::kMoving].steps();
+  d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
+  ASSERT_GT(d.steps, 1);
+  EXPECT_LT(test::change_by_marginalising(early, leaving), kExact);
+}
+
 TEST_P(InactiveMap, ForgetsWhatIsMarginalised) {
   test::Asked asked = test::what_stays(graph, {});
   std::erase(asked.variables, graph[Scene::kLone].y);

@@ -22,6 +22,15 @@ struct Marginalisation : testing::TestWithParam<test::Model> {
 
 bool holds(const Graph& graph, VariableId id) { return graph.prior().active.find(id) != nullptr; }
 
+// With the whole of its chain.
+Departure all_of(const Graph& graph, LandmarkId id) {
+  Departure d;
+  d.landmark = id;
+  d.steps = graph[id].steps();
+  d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
+  return d;
+}
+
 // The oldest camera leaves with what it measured; the base of the chain in its frame moves on,
 // first one of its own, then one that the prior holds.
 TEST_P(Marginalisation, OfTheOldestFrame) {
@@ -99,21 +108,15 @@ TEST_P(Marginalisation, OfAMotionWithoutAChain) {
 
 // Whole landmarks, of their own or in the prior.
 TEST_P(Marginalisation, OfLandmarks) {
-  const auto all_of = [](LandmarkId id) {
-    Departure d;
-    d.landmark = id;
-    d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
-    return d;
-  };
   Leaving leaving = scene.oldest_leaves();
   std::erase_if(leaving.departures, [](const Departure& d) { return d.landmark == Scene::kBrief; });
-  leaving.departures.push_back(all_of(Scene::kBrief));
-  leaving.departures.push_back(all_of(Scene::kKnown));
+  leaving.departures.push_back(all_of(graph, Scene::kBrief));
+  leaving.departures.push_back(all_of(graph, Scene::kKnown));
   expect_exact(leaving);
   EXPECT_FALSE(graph[Scene::kBrief].is_alive);
   scene.move();
   leaving.clear();
-  leaving.departures = {all_of(Scene::kPlain), all_of(Scene::kLone)};
+  leaving.departures = {all_of(graph, Scene::kPlain), all_of(graph, Scene::kLone)};
   expect_exact(leaving);
   for (int i = 0; i < 3; ++i) {
     scene.move();
@@ -124,10 +127,37 @@ TEST_P(Marginalisation, OfLandmarks) {
     expect_exact(leaving);
   }
   leaving.clear();
-  leaving.departures = {all_of(Scene::kMoving), all_of(Scene::kFreed)};
+  leaving.departures = {all_of(graph, Scene::kMoving), all_of(graph, Scene::kFreed)};
   leaving.anchors = {scene.cameras[0].position, scene.cameras[1].position};
   expect_exact(leaving);
   EXPECT_TRUE(test::active_landmarks(graph).empty());
+}
+
+// With several steps of their chains: of their own, in the prior or partly there, alone or with the
+// oldest frame.
+TEST_P(Marginalisation, OfLandmarksThatMove) {
+  Scene early(9, {GetParam()});
+  Leaving leaving;
+  ASSERT_GT(early.graph[Scene::kMoving].steps(), 1);
+  leaving.departures = {all_of(early.graph, Scene::kMoving)};
+  EXPECT_LT(test::change_by_marginalising(early, leaving), kRounding);
+  EXPECT_FALSE(early.graph[Scene::kMoving].is_alive);
+
+  expect_exact(scene.oldest_leaves());
+  ASSERT_TRUE(holds(graph, graph[Scene::kMoving].w) && holds(graph, graph[Scene::kFreed].y));
+  ASSERT_FALSE(holds(graph, graph[Scene::kFreed].w));
+  scene.move();
+  ASSERT_GT(graph[Scene::kFreed].steps(), 1);
+  leaving.departures = {all_of(graph, Scene::kFreed)};
+  expect_exact(leaving);
+  scene.move();
+  ASSERT_GT(graph[Scene::kMoving].steps(), 1);
+  leaving = scene.oldest_leaves();
+  std::erase_if(leaving.departures,
+                [](const Departure& d) { return d.landmark == Scene::kMoving; });
+  leaving.departures.push_back(all_of(graph, Scene::kMoving));
+  expect_exact(leaving);
+  EXPECT_FALSE(graph[Scene::kMoving].is_alive);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Marginalisation, testing::ValuesIn(test::models()));

@@ -92,9 +92,6 @@ TEST(ConstrainedMotion, IsKnownAsWellAsIfNothingHadLeftTheWindow) {
   EXPECT_GE(compared, 5);
 }
 
-// Frames in which the camera turns on as it was predicted to, though it is measured: the camera's
-// noise changes its rates by 4 degrees/s from one frame to the next. At the camera's pole
-// (observation.h) every step of the solution would put a mover's pixel behind the camera.
 // Tracks of four frames, as of images, in a small map: all have been pruned before their first
 // frame leaves, so that each leaves whole and the prior never holds one.
 TEST(PrunedLandmarks, LeaveTheWindowWhole) {
@@ -110,19 +107,22 @@ TEST(PrunedLandmarks, LeaveTheWindowWhole) {
   configuration.window.frames = kWindow;
   configuration.model.policy.max_landmarks = 40;
   LoopedWindow run(sequence, configuration);
-  std::size_t in_prior = 0, measured = 0;
+  int in_prior = 0, measured = 0;
   for (const Frame& frame : sequence.frames) {
-    run.process(frame);
+    const int accepted = run.process(frame).accepted;
     if (frame.index < 2 * kWindow) continue;
-    measured += frame.observations.size();
-    in_prior += static_cast<std::size_t>(std::ranges::count_if(
+    measured += accepted;
+    in_prior += static_cast<int>(std::ranges::count_if(
         run.window->graph().prior().active.blocks(),
         [](const auto& block) { return block.variable->orbit.kind == ScaleOrbit::Kind::kPoint; }));
   }
-  EXPECT_GT(measured, 500u);
-  EXPECT_EQ(in_prior, 0u);
+  EXPECT_GT(measured, 300);
+  EXPECT_EQ(in_prior, 0);
 }
 
+// Frames in which the camera turns on as it was predicted to, though it is measured: the camera's
+// noise changes its rates by 4 degrees/s from one frame to the next. At the camera's pole
+// (observation.h) every step of the solution would put a mover's pixel behind the camera.
 TEST(Pole, AMoverThatIsDrawnToItDoesNotStopTheWindow) {
   Configuration configuration;
   assign(configuration, {"prior.acceleration", "1"});

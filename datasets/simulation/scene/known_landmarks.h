@@ -1,7 +1,7 @@
 // Which landmarks of the first frame are known beforehand, and as what.
 #pragma once
 
-#include "datasets/simulation/scene/parameters.h"
+#include "datasets/simulation/parameters/parameters.h"
 #include "datasets/simulation/scene/recording.h"
 
 namespace slammot {

@@ -11,8 +11,8 @@
 #include <array>
 #include <optional>
 
+#include "datasets/simulation/parameters/parameters.h"
 #include "datasets/simulation/random/random_stream.h"
-#include "datasets/simulation/scene/parameters.h"
 
 namespace slammot {
 

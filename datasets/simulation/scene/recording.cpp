@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "datasets/simulation/measured/second_view.h"
 #include "datasets/simulation/random/random_stream.h"
+#include "datasets/simulation/scene/second_view.h"
 
 namespace slammot {
 

@@ -5,8 +5,8 @@
 #pragma once
 
 #include "datasets/sequence/sequence.h"
+#include "datasets/simulation/parameters/parameters.h"
 #include "datasets/simulation/scene/manoeuvre.h"
-#include "datasets/simulation/scene/parameters.h"
 #include "datasets/simulation/scene/schedule.h"
 
 namespace slammot {

@@ -5,8 +5,8 @@
 
 #include <optional>
 
+#include "datasets/simulation/parameters/parameters.h"
 #include "datasets/simulation/random/random_stream.h"
-#include "datasets/simulation/scene/parameters.h"
 
 namespace slammot {
 

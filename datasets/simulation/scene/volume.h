@@ -6,7 +6,7 @@
 // Static points have tracks 0, 1, ...; moving ones follow.
 #pragma once
 
-#include "datasets/simulation/measured/disturbances.h"
+#include "datasets/simulation/scene/disturbances.h"
 #include "datasets/simulation/scene/known_landmarks.h"
 #include "datasets/simulation/scene/recording.h"
 #include "datasets/simulation/scene/statements.h"

@@ -1,4 +1,4 @@
-#include "datasets/simulation/measured/disturbances.h"
+#include "datasets/simulation/scene/disturbances.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "datasets/simulation/scene/parameters.h"
+#include "datasets/simulation/parameters/parameters.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "datasets/sequence/sequence.h"
-#include "datasets/simulation/scene/parameters.h"
+#include "datasets/simulation/parameters/parameters.h"
 
 namespace slammot {
 

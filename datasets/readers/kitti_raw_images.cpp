@@ -1,10 +1,10 @@
-#include "datasets/readers/kitti/kitti_raw_images.h"
+#include "datasets/readers/kitti_raw_images.h"
 
 #include <fmt/format.h>
 
 #include "datasets/readers/foreign_images.h"
-#include "datasets/readers/kitti/kitti_images.h"
 #include "datasets/readers/kitti/oxts.h"
+#include "datasets/readers/kitti_images.h"
 #include "datasets/sequence/plausible.h"
 
 namespace slammot {

@@ -1,4 +1,4 @@
-#include "datasets/readers/kitti/kitti_images.h"
+#include "datasets/readers/kitti_images.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "datasets/simulation/measured/second_view.h"
+#include "datasets/simulation/scene/second_view.h"
 
 #include <set>
 
