@@ -104,7 +104,7 @@ def labels_of(pairs, age):
     if not counts:
         return "-"
     sums = [sum(column) for column in zip(*counts)]
-    return ", ".join(f"{100 * (1 - right / max(1, right + wrong + undecided)):.1f}" for right, wrong, undecided in (sums[:3], sums[3:]))
+    return ", ".join(f"{100 * (1 - of[0] / sum(of)):.1f}" if sum(of) else "-" for of in (sums[:3], sums[3:]))
 
 
 def table(pairs):
