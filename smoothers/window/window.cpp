@@ -114,9 +114,9 @@ void Window::update(std::span<const Observation> accepted, std::span<const int> 
   refresh_noises();  // constant while the frame is solved (docs/smoother.md, Chains)
   const int steps = solve();
   for (int i = 0; i < kMostPoles && leave_out_poles(); ++i) solve();
-  relinearised_ += steps > 1 ? 1 : 0;
-  ++updated_;
-  held_points_ += graph_.fixed_points() && graph_.prior().active.cols() > 0 ? 1 : 0;
+  acted_.relinearised += steps > 1 ? 1 : 0;
+  ++acted_.updated;
+  acted_.held_points += graph_.fixed_points() && graph_.prior().active.cols() > 0 ? 1 : 0;
   for (auto& [track, landmark] : landmarks_.current) landmark.is_entering = false;
   camera_ = marginals_.camera();
 }
@@ -212,16 +212,16 @@ void Window::in_force(InForce& result) const {
   };
   const bool iterates = options_.iterations > 1 && !uses_ceres;
   state("relinearisation", "window.iterations", iterates, uses_ceres ? "window.solver=ceres" : "",
-        relinearised_);
-  state("relinearisation by Ceres", "window.solver", uses_ceres, "", updated_);
-  state("first estimates", "window.linearisation", graph_.fixed_points(), "", held_points_);
+        acted_.relinearised);
+  state("relinearisation by Ceres", "window.solver", uses_ceres, "", acted_.updated);
+  state("first estimates", "window.linearisation", graph_.fixed_points(), "", acted_.held_points);
   const char* because = !setup_.prior.spread_follows_mean ? ""
                         : uses_ceres                      ? "window.solver=ceres"
                                                           : "landmarks known beforehand";
   state("scale kept by the camera noise (noise_scale.h)", "prior.spread",
-        !graph_.models().noise_tells_scale, because, updated_);
+        !graph_.models().noise_tells_scale, because, acted_.updated);
   state("scale kept while the estimate moves", "gauge", graph_.keeps_scale(),
-        gauge_ == Gauge::kScale ? without_scale(setup_, options_) : "", updated_);
+        gauge_ == Gauge::kScale ? without_scale(setup_, options_) : "", acted_.updated);
   state("heading kept while the estimate moves", "gauge", false,
         gauge_ == Gauge::kHeading ? "a window keeps none" : "", 0);
 }

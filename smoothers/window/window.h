@@ -109,7 +109,10 @@ class Window final : public Belief {
   std::vector<MotionNoise> noises_;
   std::vector<int> measured_, used_;  // of the frame in hand
   ConditionalMap::Values inactive_values_;
-  long relinearised_ = 0, updated_ = 0, held_points_ = 0;  // frames
+  struct Acted {  // in how many frames
+    long relinearised = 0, updated = 0, held_points = 0;
+  };
+  Acted acted_;
 };
 
 // Throws std::invalid_argument for an unknown landmark model or classifier; process() throws it at
