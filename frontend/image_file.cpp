@@ -65,7 +65,7 @@ void require_size(const std::filesystem::path& file, const cv::Mat& image, cv::S
 }  // namespace
 
 cv::Mat decode_image(const std::filesystem::path& file, std::optional<cv::Size> size) {
-  const cv::Mat image = eight_bits(decode(file));
+  cv::Mat image = eight_bits(decode(file));
   if (size) require_size(file, image, *size);
   return image;
 }

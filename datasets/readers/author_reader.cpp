@@ -19,7 +19,7 @@ constexpr std::string_view kFile = "groundTruth.txt";
 constexpr std::string_view kBeginning = "numOfFrames:";
 
 // The author's camera axes as ours: half a turn about z.
-const Eigen::Quaterniond author_to_ours(0.0, 0.0, 0.0, 1.0);
+const Eigen::Quaterniond kAuthorToOurs(0.0, 0.0, 0.0, 1.0);
 
 constexpr Camera kCamera{320, 240, 170.0, 170.0, 160.0, 120.0, PinholeLens{}};
 
@@ -35,7 +35,7 @@ void expect(TextTable& table, std::string_view word, size_t count) {
 TimedPose read_pose(const TextTable& table) {
   const Eigen::Quaterniond wxyz(table.real(4), table.real(5), table.real(6), table.real(7));
   return {table.count(0) / kRate, vector_at(table, 1),
-          unit_quaternion(table, wxyz) * author_to_ours};
+          unit_quaternion(table, wxyz) * kAuthorToOurs};
 }
 
 void read_cameras(TextTable& table, Sequence& sequence) {

@@ -2,6 +2,7 @@
 #include "eval/output/in_force.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -187,8 +188,10 @@ RunAlignment alignment_of(const Json& json) {
   a.note = printable(json.at("note").get<std::string>());
   a.scale = json.at("scale").get<double>();
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) a.rotation(i, j) = json.at("rotation").at(i).at(j).get<double>();
-    a.translation(i) = json.at("translation").at(i).get<double>();
+    const auto row = static_cast<std::size_t>(i);
+    const auto rotation = json.at("rotation").at(row).get<std::array<double, 3>>();
+    a.rotation.row(i) = Eigen::Map<const Eigen::RowVector3d>(rotation.data());
+    a.translation(i) = json.at("translation").at(row).get<double>();
   }
   return a;
 }

@@ -150,7 +150,7 @@ std::string alignments(const std::vector<NamedMetrics>& results) {
     labels += (labels.empty() ? "" : ", ") + r.label;
   }
   std::string text;
-  for (const auto& [note, labels] : labels_of) text += labels + ": " + note + ".\n";
+  for (const auto& [note, labels] : labels_of) text += fmt::format("{}: {}.\n", labels, note);
   return text;
 }
 

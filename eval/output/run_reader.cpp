@@ -84,7 +84,9 @@ size_t fields_of(const Path& file, std::initializer_list<size_t> known) {
   table.pass_comments();
   if (!table.next_blank_row()) return *known.begin();
   size_t fields = 1;
-  for (size_t i = 0; i < table.fields(); ++i) fields += std::ranges::count(table.field(i), ',');
+  for (size_t i = 0; i < table.fields(); ++i) {
+    fields += static_cast<size_t>(std::ranges::count(table.field(i), ','));
+  }
   return std::ranges::find(known, fields) == known.end() ? *known.begin() : fields;
 }
 

@@ -51,25 +51,25 @@ Similarity at_first(const PosePair& first) {
 
 // By blocks: one that is not known (NaN) shall not spoil another.
 void move(const Similarity& S, CameraEstimate& camera) {
-  const Eigen::Matrix3d sR = S.scale * S.rotation;
+  const Eigen::Matrix3d R_scaled = S.scale * S.rotation;
   CameraState& x = camera.state;
   x.position = S * x.position;
   x.orientation = (Eigen::Quaterniond(S.rotation) * x.orientation).normalized();
-  x.velocity = sR * x.velocity;
+  x.velocity = R_scaled * x.velocity;
   for (const int block : {kPosition, kVelocity}) {
     auto rows = camera.covariance.middleRows<3>(block);
-    rows = (sR * rows).eval();
+    rows = (R_scaled * rows).eval();
     auto columns = camera.covariance.middleCols<3>(block);
-    columns = (columns * sR.transpose()).eval();
+    columns = (columns * R_scaled.transpose()).eval();
   }
 }
 
 void move(const Similarity& S, LandmarkEstimate& landmark) {
-  const Eigen::Matrix3d sR = S.scale * S.rotation;
+  const Eigen::Matrix3d R_scaled = S.scale * S.rotation;
   landmark.position = S * landmark.position;
-  landmark.velocity = sR * landmark.velocity;
+  landmark.velocity = R_scaled * landmark.velocity;
   for (auto* P : {&landmark.position_covariance, &landmark.velocity_covariance}) {
-    *P = (sR * *P * sR.transpose()).eval();
+    *P = (R_scaled * *P * R_scaled.transpose()).eval();
   }
 }
 
