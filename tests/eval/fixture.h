@@ -7,6 +7,7 @@
 
 #include "datasets/sequence/sequence.h"
 #include "estimation/estimator.h"
+#include "eval/run/run.h"
 #include "tests/temporary_folder.h"
 
 namespace slammot::test {
@@ -79,6 +80,18 @@ inline Belief true_belief(const Sequence& sequence, const Frame& frame) {
   belief.camera.state = *sequence.truth[static_cast<size_t>(frame.index)];
   belief.camera.covariance.setIdentity();
   return belief;
+}
+
+// The run over a straight line of a camera that is where it is, but for what `change` does.
+inline RunResult driven(
+    const Sequence& sequence, const std::function<void(int, Belief&)>& change = [](int, auto&) {},
+    const DriveOptions& options = {}) {
+  FakeEstimator estimator([&](const Frame& f) {
+    Belief belief = true_belief(sequence, f);
+    change(f.index, belief);
+    return belief;
+  });
+  return drive(sequence, estimator, options);
 }
 
 }  // namespace slammot::test

@@ -22,15 +22,6 @@ struct Marginalisation : testing::TestWithParam<test::Model> {
 
 bool holds(const Graph& graph, VariableId id) { return graph.prior().active.find(id) != nullptr; }
 
-// With the whole of its chain.
-Departure all_of(const Graph& graph, LandmarkId id) {
-  Departure d;
-  d.landmark = id;
-  d.steps = graph[id].steps();
-  d.leaves = d.all_rows = d.absorbs_prior_of_w = true;
-  return d;
-}
-
 // The oldest camera leaves with what it measured; the base of the chain in its frame moves on,
 // first one of its own, then one that the prior holds.
 TEST_P(Marginalisation, OfTheOldestFrame) {
@@ -110,13 +101,13 @@ TEST_P(Marginalisation, OfAMotionWithoutAChain) {
 TEST_P(Marginalisation, OfLandmarks) {
   Leaving leaving = scene.oldest_leaves();
   std::erase_if(leaving.departures, [](const Departure& d) { return d.landmark == Scene::kBrief; });
-  leaving.departures.push_back(all_of(graph, Scene::kBrief));
-  leaving.departures.push_back(all_of(graph, Scene::kKnown));
+  leaving.departures.push_back(scene.all_of(Scene::kBrief));
+  leaving.departures.push_back(scene.all_of(Scene::kKnown));
   expect_exact(leaving);
   EXPECT_FALSE(graph[Scene::kBrief].is_alive);
   scene.move();
   leaving.clear();
-  leaving.departures = {all_of(graph, Scene::kPlain), all_of(graph, Scene::kLone)};
+  leaving.departures = {scene.all_of(Scene::kPlain), scene.all_of(Scene::kLone)};
   expect_exact(leaving);
   for (int i = 0; i < 3; ++i) {
     scene.move();
@@ -127,7 +118,7 @@ TEST_P(Marginalisation, OfLandmarks) {
     expect_exact(leaving);
   }
   leaving.clear();
-  leaving.departures = {all_of(graph, Scene::kMoving), all_of(graph, Scene::kFreed)};
+  leaving.departures = {scene.all_of(Scene::kMoving), scene.all_of(Scene::kFreed)};
   leaving.anchors = {scene.cameras[0].position, scene.cameras[1].position};
   expect_exact(leaving);
   EXPECT_TRUE(test::active_landmarks(graph).empty());
@@ -139,7 +130,7 @@ TEST_P(Marginalisation, OfLandmarksThatMove) {
   Scene early(9, {GetParam()});
   Leaving leaving;
   ASSERT_GT(early.graph[Scene::kMoving].steps(), 1);
-  leaving.departures = {all_of(early.graph, Scene::kMoving)};
+  leaving.departures = {early.all_of(Scene::kMoving)};
   EXPECT_LT(test::change_by_marginalising(early, leaving), kRounding);
   EXPECT_FALSE(early.graph[Scene::kMoving].is_alive);
 
@@ -148,14 +139,14 @@ TEST_P(Marginalisation, OfLandmarksThatMove) {
   ASSERT_FALSE(holds(graph, graph[Scene::kFreed].w));
   scene.move();
   ASSERT_GT(graph[Scene::kFreed].steps(), 1);
-  leaving.departures = {all_of(graph, Scene::kFreed)};
+  leaving.departures = {scene.all_of(Scene::kFreed)};
   expect_exact(leaving);
   scene.move();
   ASSERT_GT(graph[Scene::kMoving].steps(), 1);
   leaving = scene.oldest_leaves();
   std::erase_if(leaving.departures,
                 [](const Departure& d) { return d.landmark == Scene::kMoving; });
-  leaving.departures.push_back(all_of(graph, Scene::kMoving));
+  leaving.departures.push_back(scene.all_of(Scene::kMoving));
   expect_exact(leaving);
   EXPECT_FALSE(graph[Scene::kMoving].is_alive);
 }
