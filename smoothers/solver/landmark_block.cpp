@@ -20,6 +20,27 @@ void add_block(Eigen::Ref<Eigen::MatrixXd> H, int row, int column,
   }
 }
 
+// W = Q R in place of W, by Gram and Schmidt, twice. False where a column depends on those before
+// it.
+bool orthonormalise(Eigen::Ref<Eigen::MatrixXd> W, LandmarkMatrix& R) {
+  constexpr double kDependent = 1e-13;  // of its length is left: rounding
+  R.setZero(W.cols(), W.cols());
+  for (Eigen::Index j = 0; j < W.cols(); ++j) {
+    const double length = W.col(j).norm();
+    for (int again = 0; again < 2; ++again) {
+      for (Eigen::Index i = 0; i < j; ++i) {
+        const double along = W.col(i).dot(W.col(j));
+        W.col(j) -= along * W.col(i);
+        R(i, j) += along;
+      }
+    }
+    R(j, j) = W.col(j).norm();
+    if (!(R(j, j) > kDependent * length)) return false;
+    W.col(j) /= R(j, j);
+  }
+  return true;
+}
+
 }  // namespace
 
 void LandmarkBlock::eliminate(const Graph& graph, const GraphLandmark& l, double damping) {
@@ -30,48 +51,58 @@ void LandmarkBlock::eliminate(const Graph& graph, const GraphLandmark& l, double
     e_ = q_;
     return;
   }
-  if (steps_ > 0 && rows_ > 0) {
-    if (!cholesky_in_place(*P_)) {
-      throw Diverged("the noise of a landmark in the window is not finite");
-    }
-    invert_cholesky_in_place(*P_);
+  const bool has_noises = steps_ > 0 && rows_ > 0, has_states = first_private_ < states_;
+  if (has_noises && !cholesky_in_place(*P_)) {
+    throw Diverged("the noise of a landmark in the window is not finite");
   }
-  if (rows_ > 0) e_.noalias() = *P_ * q_;
-  if (first_private_ < states_) eliminate_states(graph, l, damping);
+  if (has_states) eliminate_states(graph, l, damping);
+  if (rows_ == 0) return;
+  if (has_noises) invert_cholesky_in_place(*P_);
+  e_.noalias() = *P_ * q_;
+  if (!has_states) return;
+  e_ -= (*B_).lazyProduct(b_);
+  (*P_).noalias() -= *B_ * (*B_).transpose();
 }
 
+// While P_ still is the factor L of M, or the identity.
 void LandmarkBlock::eliminate_states(const Graph& graph, const GraphLandmark& l, double damping) {
-  const int dim = states_ - first_private_;
+  const Eigen::Index dim = states_ - first_private_, motion = l.w_sigmas.size();
+  const Eigen::Index damped = damping > 0.0 ? dim : 0;
+  W_.resize(rows_ + motion + damped, dim);
+  auto W = *W_;
+  W.setZero();
+  r_.setZero(W.rows());
   const auto Y = (*X_).rightCols(dim);
-  Z_.resize(rows_, dim);
-  ZV_.resize(rows_, dim);
-  V_.setZero(dim, dim);
-  u_.setZero(dim);
-  LandmarkVector squares = LandmarkVector::Zero(dim);
-  if (rows_ > 0) {
-    (*Z_).noalias() = *P_ * Y;
-    V_.noalias() += Y.transpose() * *Z_;
-    u_ += (*Z_).transpose().lazyProduct(q_);
-    squares = Y.colwise().squaredNorm().transpose();
+  W.topRows(rows_) = Y;
+  r_.head(rows_) = q_;
+  if (steps_ > 0 && rows_ > 0) {
+    solve_lower_in_place(*P_, W.topRows(rows_));
+    solve_lower_in_place(*P_, r_.head(rows_));
   }
-  if (l.w_sigmas.size() > 0) {  // then w is private
-    const Eigen::Index motion = l.w_sigmas.size();
-    const MotionVector information = l.w_sigmas.cwiseAbs2().cwiseInverse();
-    V_.diagonal().tail(motion) += information;
-    squares.tail(motion) += information;
-    u_.tail(motion) += information.cwiseProduct(graph.variables[l.w].value);
+  if (motion > 0) {  // then w is private
+    W.block(rows_, dim - motion, motion, motion) = l.w_sigmas.cwiseInverse().asDiagonal();
+    r_.segment(rows_, motion) = graph.variables[l.w].value.cwiseQuotient(l.w_sigmas);
   }
-  V_.diagonal() += damping * squares;
-  const Eigen::LLT<LandmarkMatrix> llt(V_);
-  if (llt.info() != Eigen::Success) {
+  if (damped > 0) {
+    LandmarkVector squares = Y.colwise().squaredNorm().transpose();
+    squares.tail(motion) += l.w_sigmas.cwiseAbs2().cwiseInverse();
+    W.bottomRows(dim) = (damping * squares).cwiseSqrt().asDiagonal();
+  }
+  LandmarkMatrix R;
+  if (!orthonormalise(W, R)) {
     throw Diverged("the states of a landmark in the window are not determined");
   }
-  V_ = llt.solve(LandmarkMatrix::Identity(dim, dim));
-  u_ = V_.lazyProduct(u_).eval();
+  const auto inverse = R.triangularView<Eigen::Upper>();
+  b_ = W.transpose().lazyProduct(r_);
+  u_ = inverse.solve(b_);
+  const LandmarkMatrix root = inverse.solve(LandmarkMatrix::Identity(dim, dim));
+  V_ = root.lazyProduct(root.transpose());
   if (rows_ == 0) return;
-  (*ZV_).noalias() = *Z_ * V_;
-  e_ -= (*Z_).lazyProduct(u_);
-  (*P_).noalias() -= *ZV_ * (*Z_).transpose();
+  B_.resize(rows_, dim);
+  ZV_.resize(rows_, dim);
+  *B_ = W.topRows(rows_);
+  if (steps_ > 0) (*P_).triangularView<Eigen::Lower>().transpose().solveInPlace(*B_);
+  (*ZV_).noalias() = *B_ * root.transpose();
 }
 
 void LandmarkBlock::add_to(Eigen::Ref<Eigen::MatrixXd> H, Eigen::Ref<Eigen::VectorXd> g) const {

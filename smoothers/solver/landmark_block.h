@@ -11,6 +11,10 @@
 //
 //   P = M^-1 - Z V^-1 Z',   Z = M^-1 Y,   V = Y' M^-1 Y + what else is known of them.
 //
+// V may be all but singular: few pixels, many states. So it is not formed. With M = L L', W the
+// rows L^-1 Y and those of what else is known, W = Q R and Q_1 its first rows, P = M^-1 - B B',
+// where B = L^-T Q_1: no digits are lost, and P stays positive.
+//
 // P is small (two rows a pixel), and J has six columns a camera, so that J' P J is added camera by
 // camera.
 //
@@ -90,9 +94,12 @@ class LandmarkBlock {
   LandmarkVector drift_;           // of the newest state, by the noises' present values
   std::vector<LandmarkVector> D_;  // of each step, when damped
 
-  GrowingMatrix Z_, ZV_;  // rows x private states
-  LandmarkMatrix V_;      // then its inverse
+  GrowingMatrix W_;       // then Q
+  GrowingMatrix B_, ZV_;  // rows x private states; ZV: Z V^-1
+  LandmarkMatrix V_;      // V^-1
+  LandmarkVector b_;      // Q' r
   LandmarkVector u_;      // of the private states: minus their step where the core stays
+  Eigen::VectorXd r_;     // the residual of W's rows
   Eigen::VectorXd e_;     // of the rows: P times the residual
   mutable GrowingMatrix PS_;
   mutable GrowingMatrix gain_;  // states x rows

@@ -2,6 +2,7 @@
 // landmark are: its own, in the prior, or partly there.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <functional>
 
 #include "estimation/estimator.h"
@@ -213,6 +214,29 @@ TEST(NormalEquations, WhatIsNotDeterminedIsRefused) {
   graph[Scene::kLone].birth.kind = BirthPrior::Kind::kNone;  // one pixel has no depth
   graph.linearise();
   EXPECT_THROW(NormalEquations().factorise(graph, scene.newest()), Diverged);
+}
+
+// Three pixels of a landmark of unknown velocity: its states take nearly all that they say, and
+// what is left for the cameras is the small difference of large numbers unless it is never
+// subtracted.
+TEST(NormalEquations, StatesThatAreHardlyDeterminedTakeNoMoreThanThereIs) {
+  for (const test::Model& model : test::models()) {
+    Scene scene(5, {model});
+    GraphLandmark& l = scene.graph[Scene::kMoving];
+    l.pixels.resize(3);
+    l.chain.resize(static_cast<std::size_t>(l.pixels.back().depth));
+    l.w_sigmas *= 1e6;
+    scene.graph.linearise();
+    NormalEquations equations;
+    equations.factorise(scene.graph, scene.newest());
+    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(equations.core_dim(), equations.core_dim());
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(equations.core_dim());
+    equations.block(Scene::kMoving).add_to(H, g);
+    Eigen::VectorXd before = Eigen::VectorXd::Zero(equations.core_dim());
+    equations.block(Scene::kMoving).add_squares(before);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(H, Eigen::EigenvaluesOnly);
+    EXPECT_GT(eigen.eigenvalues().minCoeff(), -1e-14 * before.maxCoeff()) << model;
+  }
 }
 
 }  // namespace
