@@ -20,8 +20,8 @@ void add_block(Eigen::Ref<Eigen::MatrixXd> H, int row, int column,
   }
 }
 
-// W = Q R in place of W, by Gram and Schmidt, twice. False where a column depends on those before
-// it.
+// W = Q R in place of W, by Gram and Schmidt, twice: the thin Q, which Eigen's QR has only by an
+// allocation. False where a column depends on those before it.
 bool orthonormalise(Eigen::Ref<Eigen::MatrixXd> W, LandmarkMatrix& R) {
   constexpr double kDependent = 1e-13;  // of its length is left: rounding
   R.setZero(W.cols(), W.cols());
