@@ -117,7 +117,7 @@ std::vector<ConfigurationKey> statement_keys() {
           "sigma_rho of a landmark as its estimated mean is corrected: fixed or relative to it; "
           "auto: relative where no landmark is known, or no depths are stated, or a mean_sigma; "
           "relative also "
-          "takes a smoother's camera noise in units of its speed where no landmark is known",
+          "takes a smoother's noise in units of its world where no landmark is known",
           listed(kPriorSpreads), SLAMMOT_FIELD(prior.spread)),
       number(
           "prior.max_speed",

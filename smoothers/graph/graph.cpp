@@ -1,5 +1,6 @@
 #include "smoothers/graph/graph.h"
 
+#include "smoothers/graph/chain_step.h"
 #include "smoothers/graph/least_noise.h"
 
 namespace slammot {
@@ -108,6 +109,7 @@ void Graph::free_landmark(LandmarkId id, const MotionVector& sigmas) {
   if (models_.landmark->motion_in_metres) w.orbit.kind = ScaleOrbit::Kind::kLength;
   landmark.w = w.id;
   landmark.w_sigmas = sigmas;
+  landmark.w_unit = unit_of_motion(models_, variables[landmark.y].value);
 }
 
 void Graph::constrain_to_rest(LandmarkId id, double rest_time) {
@@ -190,7 +192,7 @@ LandmarkVector Graph::newest_state(const GraphLandmark& l) const {
   if (!l.is_free()) return value(l.y);
   LandmarkVector x = landmark_state(variables[l.y].value, variables[l.w].value);
   for (const ChainStep& step : l.chain) {
-    x = models_.landmark->predict(x, step.dt) + step.G.lazyProduct(step.noise);
+    x = advance(models_, step, x, step.noise);
   }
   return x;
 }
@@ -199,9 +201,14 @@ std::vector<LandmarkVector> Graph::states(const GraphLandmark& l) const {
   if (!l.is_free()) return {LandmarkVector(value(l.y))};
   std::vector<LandmarkVector> x{landmark_state(variables[l.y].value, variables[l.w].value)};
   for (const ChainStep& step : l.chain) {
-    x.push_back(models_.landmark->predict(x.back(), step.dt) + step.G * step.noise);
+    x.push_back(advance(models_, step, x.back(), step.noise));
   }
   return x;
+}
+
+MotionResidual Graph::motion_prior(const GraphLandmark& l, MarginalPrior::Field field) const {
+  return motion_residual(models_.point(), l.w_sigmas, l.w_unit, variables[l.y].*field,
+                         variables[l.w].*field);
 }
 
 double Graph::refresh_noises(GraphLandmark& l) {
@@ -210,9 +217,10 @@ double Graph::refresh_noises(GraphLandmark& l) {
   LandmarkVector before = landmark_state(variables[l.y].value, variables[l.w].value);
   LandmarkVector x = before;
   for (ChainStep& step : l.chain) {
-    before = models_.landmark->predict(before, step.dt) + step.G.lazyProduct(step.noise);
+    before = advance(models_, step, before, step.noise);
     x = models_.landmark->predict(x, step.dt);
     step.G = models_.landmark->noise_root(x, models_.prior.noise(step.is_moving), step.dt);
+    step.unit = unit_of_motion(models_, x.head<3>());
     const LandmarkVector noise = least_noise(step.G, before - x);
     x += step.G.lazyProduct(noise);
     change = std::max(change, (noise - step.noise).cwiseAbs().maxCoeff());

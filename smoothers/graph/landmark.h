@@ -25,6 +25,7 @@ struct ChainStep {
   double dt = 0.0;        // [s]
   bool is_moving = true;  // as it was believed then, LandmarkPrior::noise()
   LandmarkMatrix G;
+  double unit = 0.0;  // of G's rows of w [1/m], or 0: in metres (chain_step.h)
   LandmarkVector noise;
 
   // At the last linearisation: the state after the step, and F = df/dx before it.
@@ -81,6 +82,7 @@ struct GraphLandmark {
   VariableId y = 0;                              // at the base
   VariableId w = -1;                             // at the base; -1: static
   MotionVector w_sigmas;                         // of w's prior; empty once it is marginalised
+  double w_unit = 0.0;                           // of w_sigmas [1/m], or 0 (motion_residual)
   std::optional<ConstrainedMotion> constrained;  // only of a static one
   std::vector<ChainStep> chain;
   std::vector<GraphPixel> pixels;  // oldest first

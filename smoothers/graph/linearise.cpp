@@ -1,4 +1,5 @@
 // The graph's residuals and Jacobians at the current estimate.
+#include "smoothers/graph/chain_step.h"
 #include "smoothers/graph/graph.h"
 #include "smoothers/scale/noise_scale.h"
 
@@ -40,17 +41,17 @@ void Graph::linearise(CameraMotionFactor& f) {
 
 // The chain's states at the estimate, and its F at the linearisation points.
 void Graph::linearise_chain(GraphLandmark& l) {
-  const LandmarkFunctions& model = *models_.landmark;
   LandmarkVector x = landmark_state(variables[l.y].value, variables[l.w].value);
   LandmarkVector point = fixed_points_
                              ? landmark_state(variables[l.y].point(), variables[l.w].point())
                              : LandmarkVector{};
   for (ChainStep& step : l.chain) {
-    step.F = model.predict_jacobian(fixed_points_ ? point : x, step.dt);
-    x = model.predict(x, step.dt) + step.G.lazyProduct(step.noise);
+    take_unit(models_, x, step);
+    step.F = chain_jacobian(models_, step, fixed_points_ ? point : x);
+    x = advance(models_, step, x, step.noise);
     step.x = x;
     if (!fixed_points_) continue;
-    point = model.predict(point, step.dt) + step.G.lazyProduct(step.noise);
+    point = advance(models_, step, point, step.noise);
     step.point = point;
   }
 }
@@ -59,9 +60,7 @@ double Graph::linearise(GraphLandmark& l) {
   double sum = linearise_birth(l);
   if (l.is_free()) {
     linearise_chain(l);
-    if (l.w_sigmas.size() > 0) {
-      sum += variables[l.w].value.cwiseQuotient(l.w_sigmas).squaredNorm();
-    }
+    if (l.w_sigmas.size() > 0) sum += motion_prior(l).r.squaredNorm();
   }
   for (const ChainStep& step : l.chain) sum += step.noise.squaredNorm();
   for (GraphPixel& pixel : l.pixels) {

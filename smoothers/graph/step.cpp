@@ -1,6 +1,7 @@
 // Where a step leads: the cost there, what the linearised problem says of it, and the step taken.
 #include <cmath>
 
+#include "smoothers/graph/chain_step.h"
 #include "smoothers/graph/graph.h"
 
 namespace slammot {
@@ -163,7 +164,7 @@ void Graph::try_step(const GraphLandmark& l, StepOutcome& outcome) const {
   if (l.is_free()) {
     x = landmark_state(y, variables[l.w].candidate);
     if (l.w_sigmas.size() > 0) {
-      outcome.square += variables[l.w].candidate.cwiseQuotient(l.w_sigmas).squaredNorm();
+      outcome.square += motion_prior(l, &Variable::candidate).r.squaredNorm();
     }
   }
   LandmarkVector dx = base_step(variables, l);
@@ -173,7 +174,7 @@ void Graph::try_step(const GraphLandmark& l, StepOutcome& outcome) const {
       const ChainStep& step = l.chain[static_cast<std::size_t>(depth - 1)];
       const LandmarkVector noise = step.noise + step.step;
       outcome.square += noise.squaredNorm();
-      x = models_.landmark->predict(x, step.dt) + step.G.lazyProduct(noise);
+      x = advance(models_, step, x, noise);
       dx = next_step(step, dx);
     }
     for (; pixel != l.pixels.end() && pixel->depth == depth; ++pixel) {
@@ -242,13 +243,12 @@ void Graph::retract(GraphLandmark& l) {
       pixel->at.r += pixel_change(variables, l, *pixel, dx);
     }
   }
-  const LandmarkFunctions& model = *models_.landmark;
   if (!l.is_free()) return;
   LandmarkVector x = landmark_state(variables[l.y].value + variables[l.y].step,
                                     variables[l.w].value + variables[l.w].step);
   for (ChainStep& step : l.chain) {
     step.noise += step.step;
-    x = model.predict(x, step.dt) + step.G.lazyProduct(step.noise);
+    x = advance(models_, step, x, step.noise);
     step.x = x;
   }
 }

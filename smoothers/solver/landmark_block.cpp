@@ -55,7 +55,7 @@ void LandmarkBlock::eliminate(const Graph& graph, const GraphLandmark& l, double
   if (has_noises && !cholesky_in_place(*P_)) {
     throw Diverged("the noise of a landmark in the window is not finite");
   }
-  if (has_states) eliminate_states(graph, l, damping);
+  if (has_states) eliminate_states(damping);
   if (rows_ == 0) return;
   if (has_noises) invert_cholesky_in_place(*P_);
   e_.noalias() = *P_ * q_;
@@ -65,10 +65,10 @@ void LandmarkBlock::eliminate(const Graph& graph, const GraphLandmark& l, double
 }
 
 // While P_ still is the factor L of M, or the identity.
-void LandmarkBlock::eliminate_states(const Graph& graph, const GraphLandmark& l, double damping) {
-  const Eigen::Index dim = states_ - first_private_, motion = l.w_sigmas.size();
+void LandmarkBlock::eliminate_states(double damping) {
+  const Eigen::Index dim = states_ - first_private_;
   const Eigen::Index damped = damping > 0.0 ? dim : 0;
-  W_.resize(rows_ + motion + damped, dim);
+  W_.resize(rows_ + damped, dim);
   auto W = *W_;
   W.setZero();
   r_.setZero(W.rows());
@@ -79,13 +79,8 @@ void LandmarkBlock::eliminate_states(const Graph& graph, const GraphLandmark& l,
     solve_lower_in_place(*P_, W.topRows(rows_));
     solve_lower_in_place(*P_, r_.head(rows_));
   }
-  if (motion > 0) {  // then w is private
-    W.block(rows_, dim - motion, motion, motion) = l.w_sigmas.cwiseInverse().asDiagonal();
-    r_.segment(rows_, motion) = graph.variables[l.w].value.cwiseQuotient(l.w_sigmas);
-  }
   if (damped > 0) {
-    LandmarkVector squares = Y.colwise().squaredNorm().transpose();
-    squares.tail(motion) += l.w_sigmas.cwiseAbs2().cwiseInverse();
+    const LandmarkVector squares = Y.colwise().squaredNorm().transpose();
     W.bottomRows(dim) = (damping * squares).cwiseSqrt().asDiagonal();
   }
   LandmarkMatrix R;

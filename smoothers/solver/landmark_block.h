@@ -69,9 +69,10 @@ class LandmarkBlock {
   void fill(const Graph& graph, const GraphLandmark& landmark);
   void fill_row(const GraphPixel& pixel, Eigen::Index row);
   void fill_birth(const GraphLandmark& landmark);
+  void fill_prior_of_motion(const Graph& graph, const GraphLandmark& landmark);
   void fill_prior(const Graph& graph);
   void damp_noises(const GraphLandmark& landmark, double damping);
-  void eliminate_states(const Graph& graph, const GraphLandmark& landmark, double damping);
+  void eliminate_states(double damping);
   void advance(const ChainStep& step, std::size_t index, Eigen::Index rows);
 
   int pixels_ = 0, rows_ = 0, states_ = 3, steps_ = 0;

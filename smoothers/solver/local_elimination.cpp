@@ -4,6 +4,8 @@
 #include <Eigen/QR>
 #include <algorithm>
 
+#include "smoothers/graph/chain_step.h"
+
 namespace slammot {
 
 void LocalElimination::compute(const Graph& graph, const Departure& departure, VariableId oldest) {
@@ -22,17 +24,16 @@ void LocalElimination::compute(const Graph& graph, const Departure& departure, V
 
 // x_d, and dx_0 = Psi dx_d + N dn. F is taken at the current estimate.
 void LocalElimination::follow_chain(const Graph& graph, const GraphLandmark& l) {
-  const LandmarkFunctions& model = *graph.models().landmark;
   next = graph.variables[l.y].value;
   if (l.is_free()) next = landmark_state(graph.variables[l.y].value, graph.variables[l.w].value);
   Psi.setIdentity(dim_, dim_);
   N_.resize(dim_, noises_);
   for (int j = 0; j < departure_.steps; ++j) {
     const ChainStep& step = l.chain[static_cast<std::size_t>(j)];
-    const LandmarkMatrix F = model.predict_jacobian(next, step.dt);
+    const LandmarkMatrix F = chain_jacobian(graph.models(), step, next);
     Psi = (Psi * F.inverse()).eval();
     (*N_).middleCols(j * dim_, dim_) = -Psi.lazyProduct(step.G);
-    next = model.predict(next, step.dt) + step.G.lazyProduct(step.noise);
+    next = advance(graph.models(), step, next, step.noise);
   }
 }
 
@@ -174,9 +175,11 @@ void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, Variable
   if (!departure_.absorbs_prior_of_w || l.w_sigmas.size() == 0) return;
   const Eigen::Index motion = l.w_sigmas.size();
   LandmarkMatrix on_state = LandmarkMatrix::Zero(motion, dim_);
-  on_state.rightCols(motion) = l.w_sigmas.cwiseInverse().asDiagonal();
+  const MotionResidual at = graph.motion_prior(l);
+  on_state.leftCols<3>() = at.J_y;
+  on_state.rightCols(motion) = at.J_w.asDiagonal();
   fill_on_state(row, motion, 0, on_state, l);
-  residual.segment(row, motion) = graph.variables[l.w].value.cwiseQuotient(l.w_sigmas);
+  residual.segment(row, motion) = at.r;
 }
 
 // With N' = Q (T 0)', the noises Q'n are as independent as n, and only the first of them, T', are

@@ -72,8 +72,9 @@ Eigen::Vector2d information_of_scale(const Graph& graph) {
     if (!graph.is_solved_jointly(l)) continue;
     add_birth(graph, l, sum);
     if (!l.is_free() || l.w_sigmas.size() == 0) continue;
-    const SmallVector w = graph.variables[l.w].value.cwiseQuotient(l.w_sigmas);
-    add<SmallVector>(along(graph, l.w).cwiseQuotient(l.w_sigmas), w, sum);
+    const MotionResidual at = graph.motion_prior(l);
+    const Eigen::Vector3d of_y = along(graph, l.y);
+    add<SmallVector>(at.J_y * of_y + at.J_w.cwiseProduct(along(graph, l.w)), at.r, sum);
   }
   return sum;
 }

@@ -218,7 +218,7 @@ void Window::in_force(InForce& result) const {
   const char* because = !setup_.prior.spread_follows_mean ? ""
                         : uses_ceres                      ? "window.solver=ceres"
                                                           : "landmarks known beforehand";
-  state("scale kept by the camera noise (noise_scale.h)", "prior.spread",
+  state("scale kept by the noise (noise_scale.h)", "prior.spread",
         !graph_.models().noise_tells_scale, because, acted_.updated);
   state("scale kept while the estimate moves", "gauge", graph_.keeps_scale(),
         gauge_ == Gauge::kScale ? without_scale(setup_, options_) : "", acted_.updated);

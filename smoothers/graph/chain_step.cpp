@@ -1,0 +1,56 @@
+#include "smoothers/graph/chain_step.h"
+
+#include <algorithm>
+
+namespace slammot {
+
+namespace {
+
+constexpr double kFarthest = 0.01;  // over the stated mean
+
+// y after the step without noise.
+Eigen::Vector3d next_point(const GraphModels& models, const ChainStep& step,
+                           const LandmarkVector& x) {
+  return models.landmark->predict(x, step.dt).head<3>();
+}
+
+}  // namespace
+
+double unit_of_motion(const GraphModels& models, const Eigen::Vector3d& y) {
+  if (models.noise_tells_scale || !models.landmark->motion_in_metres) return 0.0;
+  return std::max(models.point().inverse_depth(y), kFarthest * models.prior.inverse_depth);
+}
+
+LandmarkVector advance(const GraphModels& models, const ChainStep& step, const LandmarkVector& x,
+                       const LandmarkVector& noise) {
+  const LandmarkVector next = models.landmark->predict(x, step.dt);
+  LandmarkVector by_noise = step.G.lazyProduct(noise);
+  if (step.unit > 0.0) {
+    by_noise.tail(models.landmark->motion) *= step.unit / unit_of_motion(models, next.head<3>());
+  }
+  return next + by_noise;
+}
+
+LandmarkMatrix chain_jacobian(const GraphModels& models, const ChainStep& step,
+                              const LandmarkVector& x) {
+  LandmarkMatrix F = models.landmark->predict_jacobian(x, step.dt);
+  if (step.unit <= 0.0) return F;
+  const Eigen::Vector3d y = next_point(models, step, x);
+  const double unit = unit_of_motion(models, y);
+  if (models.point().inverse_depth(y) < unit) return F;  // so far away the unit stays
+  const int motion = models.landmark->motion;
+  const LandmarkVector by_noise = step.G.lazyProduct(step.noise);
+  const LandmarkMatrix of_unit =
+      models.point().inverse_depth_jacobian(y) * F.topRows<3>() / unit;  // d log rho / dx
+  F.bottomRows(motion) -= step.unit / unit * by_noise.tail(motion) * of_unit;
+  return F;
+}
+
+void take_unit(const GraphModels& models, const LandmarkVector& x, ChainStep& step) {
+  if (step.unit <= 0.0) return;
+  const double unit = unit_of_motion(models, next_point(models, step, x));
+  step.G.bottomRows(models.landmark->motion) *= step.unit / unit;
+  step.unit = unit;
+}
+
+}  // namespace slammot
