@@ -88,8 +88,8 @@ class Builder {
       problem_->SetManifold(value(l.y), new FarPointManifold(point, graph_.farthest(l)));
     }
     add_birth(l);
-    if (l.w_sigmas.size() > 0) {
-      add_gaussian(value(l.w), Eigen::VectorXd::Zero(l.w_sigmas.size()), l.w_sigmas);
+    if (l.w_prior.rows() > 0) {
+      add_gaussian(value(l.w), Eigen::VectorXd::Zero(l.w_prior.rows()), l.w_prior.sigmas);
     }
     for (ChainStep& step : l.chain) {
       const Eigen::Index dim = step.noise.size();

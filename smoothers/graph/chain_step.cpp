@@ -21,6 +21,26 @@ double unit_of_motion(const GraphModels& models, const Eigen::Vector3d& y) {
   return std::max(models.point().inverse_depth(y), kFarthest * models.prior.inverse_depth);
 }
 
+MotionVector motion_residual(const GraphModels& models, const MotionPrior& prior,
+                             const Eigen::Vector3d& y, const MotionVector& w) {
+  if (prior.rows() == 0) return {};
+  const double relative = prior.unit > 0.0 ? unit_of_motion(models, y) / prior.unit : 1.0;
+  return relative * w.cwiseQuotient(prior.sigmas);
+}
+
+void linearise_motion_prior(const GraphModels& models, const Eigen::Vector3d& y,
+                            const MotionVector& w, MotionPrior& prior) {
+  if (prior.rows() == 0) return;
+  prior.r = motion_residual(models, prior, y, w);
+  prior.J_w = prior.sigmas.cwiseInverse();
+  prior.J_y.setZero(prior.rows(), 3);
+  if (prior.unit <= 0.0) return;
+  const double unit = unit_of_motion(models, y);
+  prior.J_w *= unit / prior.unit;
+  if (models.point().inverse_depth(y) < unit) return;  // so far away the unit stays
+  prior.J_y = w.cwiseQuotient(prior.sigmas) / prior.unit * models.point().inverse_depth_jacobian(y);
+}
+
 LandmarkVector advance(const GraphModels& models, const ChainStep& step, const LandmarkVector& x,
                        const LandmarkVector& noise) {
   const LandmarkVector next = models.landmark->predict(x, step.dt);
@@ -46,11 +66,19 @@ LandmarkMatrix chain_jacobian(const GraphModels& models, const ChainStep& step,
   return F;
 }
 
+LandmarkMatrix noise_jacobian(const GraphModels& models, const ChainStep& step,
+                              const LandmarkVector& x) {
+  LandmarkMatrix UG = step.G;
+  if (step.unit <= 0.0) return UG;
+  const double unit = unit_of_motion(models, next_point(models, step, x));
+  UG.bottomRows(models.landmark->motion) *= step.unit / unit;
+  return UG;
+}
+
 void take_unit(const GraphModels& models, const LandmarkVector& x, ChainStep& step) {
   if (step.unit <= 0.0) return;
-  const double unit = unit_of_motion(models, next_point(models, step, x));
-  step.G.bottomRows(models.landmark->motion) *= step.unit / unit;
-  step.unit = unit;
+  step.G = noise_jacobian(models, step, x);
+  step.unit = unit_of_motion(models, next_point(models, step, x));
 }
 
 }  // namespace slammot

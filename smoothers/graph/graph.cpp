@@ -95,7 +95,7 @@ void Graph::remove_landmark(LandmarkId id) {
   GraphLandmark& landmark = (*this)[id];
   landmark.is_alive = landmark.is_considered = false;
   landmark.w = -1;
-  landmark.w_sigmas.resize(0);
+  landmark.w_prior = {};
   landmark.constrained.reset();
   landmark.chain.clear();
   landmark.pixels.clear();
@@ -108,8 +108,10 @@ void Graph::free_landmark(LandmarkId id, const MotionVector& sigmas) {
   Variable& w = variables.add(SmallVector::Zero(sigmas.size()), false, true);
   if (models_.landmark->motion_in_metres) w.orbit.kind = ScaleOrbit::Kind::kLength;
   landmark.w = w.id;
-  landmark.w_sigmas = sigmas;
-  landmark.w_unit = unit_of_motion(models_, variables[landmark.y].value);
+  const Eigen::Vector3d y = variables[landmark.y].value;
+  landmark.w_prior.sigmas = sigmas;
+  landmark.w_prior.unit = unit_of_motion(models_, y);
+  linearise_motion_prior(models_, y, w.value, landmark.w_prior);
 }
 
 void Graph::constrain_to_rest(LandmarkId id, double rest_time) {
@@ -118,9 +120,10 @@ void Graph::constrain_to_rest(LandmarkId id, double rest_time) {
   w.value.setZero();
   w.step.setZero(w.dim());
   w.is_constrained = true;
-  l.constrained = ConstrainedMotion{l.w, l.w_sigmas, rest_time};
+  linearise_motion_prior(models_, variables[l.y].value, w.value, l.w_prior);
+  l.constrained = ConstrainedMotion{l.w, l.w_prior, rest_time};
   l.w = -1;
-  l.w_sigmas.resize(0);
+  l.w_prior = {};
   l.chain.clear();
   const Variable& y = variables[l.y];
   for (GraphPixel& pixel : l.pixels) {
@@ -137,7 +140,7 @@ void Graph::constrain_to_rest(LandmarkId id, double rest_time) {
 void Graph::release_motion(LandmarkId id) {
   GraphLandmark& l = (*this)[id];
   l.w = l.constrained->w;
-  l.w_sigmas = l.constrained->sigmas;
+  l.w_prior = l.constrained->prior;
   l.constrained.reset();
   variables[l.w].is_constrained = false;
 }
@@ -204,11 +207,6 @@ std::vector<LandmarkVector> Graph::states(const GraphLandmark& l) const {
     x.push_back(advance(models_, step, x.back(), step.noise));
   }
   return x;
-}
-
-MotionResidual Graph::motion_prior(const GraphLandmark& l, MarginalPrior::Field field) const {
-  return motion_residual(models_.point(), l.w_sigmas, l.w_unit, variables[l.y].*field,
-                         variables[l.w].*field);
 }
 
 double Graph::refresh_noises(GraphLandmark& l) {

@@ -133,10 +133,6 @@ class Graph {
   // leave it out and solve again.
   bool is_at_pole(const GraphPixel& pixel) const;
 
-  // Of a free landmark whose prior of w has not been marginalised.
-  MotionResidual motion_prior(const GraphLandmark& landmark,
-                              MarginalPrior::Field field = &Variable::value) const;
-
   // Shortens the steps of y where points lack infinity (limited_step); true when one was shortened
   // by the factor. A landmark's least inverse depth [1/m] is a hundredth of its birth's mean, 0
   // where the prior holds the birth.

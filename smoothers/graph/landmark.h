@@ -67,22 +67,33 @@ struct BirthPrior {
   int rows() const { return kind == Kind::kNone ? 0 : kind == Kind::kKnown ? 3 : 1; }
 };
 
+// What was assumed of w at the base, until it is marginalised: rows of the residual. With `unit` >
+// 0 in units of the landmark's distance (chain_step.h), else w / sigma.
+struct MotionPrior {
+  MotionVector sigmas;  // of w; empty: no rows
+  double unit = 0.0;    // rho where they were stated [1/m]
+
+  MotionVector r, J_w;  // J_w: a diagonal
+  BoundedMatrix<Eigen::Dynamic, 3, kMaxMotion, 3> J_y;
+
+  Eigen::Index rows() const { return sigmas.size(); }
+};
+
 // The motion of a landmark that is static: a variable that is constrained to zero until it is
 // released. What leaves the graph goes into the prior with its columns.
 struct ConstrainedMotion {
   VariableId w = 0;
-  MotionVector sigmas;     // of its own prior; empty once it is marginalised
+  MotionPrior prior;
   double rest_time = 0.0;  // of y, and of w [s]
 };
 
 struct GraphLandmark {
   bool is_alive = true;
-  bool is_considered = false;                    // it corrects itself only; of a free one
-  VariableId anchor = 0;                         // camera position at its birth
-  VariableId y = 0;                              // at the base
-  VariableId w = -1;                             // at the base; -1: static
-  MotionVector w_sigmas;                         // of w's prior; empty once it is marginalised
-  double w_unit = 0.0;                           // of w_sigmas [1/m], or 0 (motion_residual)
+  bool is_considered = false;  // it corrects itself only; of a free one
+  VariableId anchor = 0;       // camera position at its birth
+  VariableId y = 0;            // at the base
+  VariableId w = -1;           // at the base; -1: static
+  MotionPrior w_prior;
   std::optional<ConstrainedMotion> constrained;  // only of a static one
   std::vector<ChainStep> chain;
   std::vector<GraphPixel> pixels;  // oldest first

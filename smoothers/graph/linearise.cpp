@@ -60,7 +60,8 @@ double Graph::linearise(GraphLandmark& l) {
   double sum = linearise_birth(l);
   if (l.is_free()) {
     linearise_chain(l);
-    if (l.w_sigmas.size() > 0) sum += motion_prior(l).r.squaredNorm();
+    linearise_motion_prior(models_, variables[l.y].value, variables[l.w].value, l.w_prior);
+    sum += l.w_prior.r.squaredNorm();
   }
   for (const ChainStep& step : l.chain) sum += step.noise.squaredNorm();
   for (GraphPixel& pixel : l.pixels) {

@@ -83,17 +83,6 @@ LimitedStep limited_step(const PointFunctions& point, const Eigen::Vector3d& y,
   return {point.of(point.ray(to).direction, ratio * from, to) - y, ratio == by_factor};
 }
 
-MotionResidual motion_residual(const PointFunctions& point, const MotionVector& sigmas, double unit,
-                               const Eigen::Vector3d& y, const MotionVector& w) {
-  const double relative = unit > 0.0 ? point.inverse_depth(y) / unit : 1.0;
-  MotionResidual at;
-  at.r = relative * w.cwiseQuotient(sigmas);
-  at.J_w = relative * sigmas.cwiseInverse();
-  at.J_y.setZero(w.size(), 3);
-  if (unit > 0.0) at.J_y = w.cwiseQuotient(sigmas) / unit * point.inverse_depth_jacobian(y);
-  return at;
-}
-
 std::optional<KnownResidual> known_residual(const PointFunctions& point, const KnownLandmark& known,
                                             const Eigen::Vector3d& anchor,
                                             const Eigen::Vector3d& y) {

@@ -82,16 +82,6 @@ struct LimitedStep {
 LimitedStep limited_step(const PointFunctions& point, const Eigen::Vector3d& y,
                          const Eigen::Vector3d& step, double farthest);
 
-// w / sigma of a landmark's motion under its prior. With `unit` > 0, rho at its birth [1/m], sigma
-// is in units of the landmark's distance: rho w / (unit sigma), which a world of any scale has
-// alike, where w is in metres (chain_step.h).
-struct MotionResidual {
-  MotionVector r, J_w;  // J_w: a diagonal
-  BoundedMatrix<Eigen::Dynamic, 3, kMaxMotion, 3> J_y;
-};
-MotionResidual motion_residual(const PointFunctions& point, const MotionVector& sigmas, double unit,
-                               const Eigen::Vector3d& y, const MotionVector& w);
-
 // (a + G/rho - X) / sigma of a landmark known beforehand; nothing at rho = 0.
 struct KnownResidual {
   Eigen::Vector3d r;

@@ -31,6 +31,12 @@ Eigen::Vector3d birth_change(const Variables& variables, const GraphLandmark& l)
   return d;
 }
 
+MotionVector motion_change(const Variables& variables, const GraphLandmark& l) {
+  if (l.w_prior.rows() == 0) return {};
+  return l.w_prior.J_y * variables[l.y].step.head<3>() +
+         l.w_prior.J_w.cwiseProduct(variables[l.w].step);
+}
+
 // J dx of a pixel, where dx is the step of the state that it measures.
 Eigen::Vector2d pixel_change(const Variables& variables, const GraphLandmark& l,
                              const GraphPixel& pixel, const LandmarkVector& dx) {
@@ -163,9 +169,9 @@ void Graph::try_step(const GraphLandmark& l, StepOutcome& outcome) const {
   LandmarkVector x = y;
   if (l.is_free()) {
     x = landmark_state(y, variables[l.w].candidate);
-    if (l.w_sigmas.size() > 0) {
-      outcome.square += motion_prior(l, &Variable::candidate).r.squaredNorm();
-    }
+    const MotionVector r = motion_residual(models_, l.w_prior, y, variables[l.w].candidate);
+    outcome.square += r.squaredNorm();
+    if (l.w_prior.unit > 0.0) outcome.add(r, l.w_prior.r + motion_change(variables, l));
   }
   LandmarkVector dx = base_step(variables, l);
   auto pixel = l.pixels.begin();
@@ -233,6 +239,7 @@ void Graph::turn_jacobians() {
 
 void Graph::retract(GraphLandmark& l) {
   if (l.birth.kind != BirthPrior::Kind::kNone) l.birth.r += birth_change(variables, l);
+  if (l.is_free()) l.w_prior.r += motion_change(variables, l);
   LandmarkVector dx = base_step(variables, l);
   auto pixel = l.pixels.begin();
   for (int depth = 0; depth <= l.steps(); ++depth) {

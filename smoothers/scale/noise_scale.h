@@ -14,11 +14,11 @@
 // with the posterior sigma of the speed, a share e^2/|v1|^2 of r is left in every frame, and a slow
 // camera's world shrinks.)
 //
-// What moves in metres is treated likewise (smoothers/graph/chain_step.h), in units of its
-// distance.
-//
 // That is no Jacobian of a cost: what Ceres minimises (the batch, `window.solver=ceres`) keeps the
 // noise in metres.
+//
+// Motions of landmarks in metres are in units as well, of their distance, and by a cost of their
+// own (smoothers/graph/chain_step.h).
 #pragma once
 
 #include "estimation/estimator.h"

@@ -92,7 +92,6 @@ void LandmarkBlock::eliminate_states(double damping) {
   u_ = inverse.solve(b_);
   const LandmarkMatrix root = inverse.solve(LandmarkMatrix::Identity(dim, dim));
   V_ = root.lazyProduct(root.transpose());
-  if (rows_ == 0) return;
   B_.resize(rows_, dim);
   ZV_.resize(rows_, dim);
   *B_ = W.topRows(rows_);
@@ -195,8 +194,7 @@ void LandmarkBlock::step(const Eigen::VectorXd& core, Graph& graph, GraphLandmar
     change_ += (*S_).middleCols(s.column, s.dim).lazyProduct(core.segment(s.core, s.dim));
   }
   if (first_private_ < states_) {
-    LandmarkVector x = -u_;
-    if (rows_ > 0) x -= (*ZV_).transpose().lazyProduct(change_);
+    const LandmarkVector x = -u_ - (*ZV_).transpose().lazyProduct(change_);
     if (first_private_ == 0) graph.variables[l.y].step = x.head<3>();
     if (l.is_free()) graph.variables[l.w].step = x.tail(states_ - 3);
   }
@@ -226,12 +224,7 @@ void LandmarkBlock::newest(Eigen::Ref<Eigen::MatrixXd> E, LandmarkMatrix& covari
   covariance = C_;
   if (independent_) return;
   const int dim = states_ - first_private_;
-  if (rows_ == 0) {
-    if (dim == 0) return;  // V_ is not of this block then, or was never set
-    const auto Phi = Phi_.rightCols(dim);
-    covariance += Phi * V_ * Phi.transpose();
-    return;
-  }
+  if (rows_ == 0) return;
   gain_.resize(states_, rows_);
   auto gain = *gain_;
   gain.noalias() = *T_ * *P_;

@@ -9,11 +9,11 @@
 // N D^-1 N' are J_i C_i Phi_ji' J_j', where C_i is the covariance of the state after step i by
 // noise alone, and Phi_ji leads from there to step j. The states follow with their columns Y:
 //
-//   P = M^-1 - Z V^-1 Z',   Z = M^-1 Y,   V = Y' M^-1 Y + what else is known of them.
+//   P = M^-1 - Z V^-1 Z',   Z = M^-1 Y,   V = Y' M^-1 Y + damping.
 //
 // V may be all but singular: few pixels, many states. So it is not formed. With M = L L', W the
-// rows L^-1 Y and those of what else is known, W = Q R and Q_1 its first rows, P = M^-1 - B B',
-// where B = L^-T Q_1: no digits are lost, and P stays positive.
+// rows L^-1 Y and those of damping, W = Q R and Q_1 its first rows, P = M^-1 - B B', where
+// B = L^-T Q_1: P is off by rounding of M^-1 only, however singular V is.
 //
 // P is small (two rows a pixel), and J has six columns a camera, so that J' P J is added camera by
 // camera.
@@ -23,7 +23,6 @@
 // others.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <vector>
 
 #include "models/growing_matrix.h"
@@ -69,7 +68,7 @@ class LandmarkBlock {
   void fill(const Graph& graph, const GraphLandmark& landmark);
   void fill_row(const GraphPixel& pixel, Eigen::Index row);
   void fill_birth(const GraphLandmark& landmark);
-  void fill_prior_of_motion(const Graph& graph, const GraphLandmark& landmark);
+  void fill_prior_of_motion(const GraphLandmark& landmark);
   void fill_prior(const Graph& graph);
   void damp_noises(const GraphLandmark& landmark, double damping);
   void eliminate_states(double damping);

@@ -7,7 +7,7 @@ void LandmarkBlock::lay_out(const Graph& graph, const GraphLandmark& l) {
   pixels_ = static_cast<int>(l.pixels.size());
   own_ =
       l.is_considered ? graph.prior().active.own_rows(l.y, l.w) : MarginalPrior::ConsideredRows{};
-  rows_ = 2 * pixels_ + l.birth.rows() + static_cast<int>(l.w_sigmas.size()) +
+  rows_ = 2 * pixels_ + l.birth.rows() + static_cast<int>(l.w_prior.rows()) +
           static_cast<int>(own_.count);
   steps_ = l.steps();
   states_ = l.is_free() ? graph.models().landmark->dim() : 3;
@@ -128,10 +128,10 @@ void LandmarkBlock::fill_birth(const GraphLandmark& l) {
   q_.segment(first, rows) = l.birth.r.head(rows);
 }
 
-void LandmarkBlock::fill_prior_of_motion(const Graph& graph, const GraphLandmark& l) {
-  const Eigen::Index rows = l.w_sigmas.size(), first = 2 * pixels_ + l.birth.rows();
+void LandmarkBlock::fill_prior_of_motion(const GraphLandmark& l) {
+  const MotionPrior& at = l.w_prior;
+  const Eigen::Index rows = at.rows(), first = 2 * pixels_ + l.birth.rows();
   if (rows == 0) return;
-  const MotionResidual at = graph.motion_prior(l);
   (*A_).middleRows(first, rows).setZero();
   (*X_).middleRows(first, rows).leftCols<3>() = at.J_y;
   (*X_).middleRows(first, rows).rightCols(rows) = at.J_w.asDiagonal();
@@ -176,7 +176,7 @@ void LandmarkBlock::fill(const Graph& graph, const GraphLandmark& l) {
     }
   }
   fill_birth(l);
-  fill_prior_of_motion(graph, l);
+  fill_prior_of_motion(l);
   fill_prior(graph);
   auto S = *S_;
   for (const Shared& s : shared_) {

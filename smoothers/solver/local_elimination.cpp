@@ -16,7 +16,7 @@ void LocalElimination::compute(const Graph& graph, const Departure& departure, V
   substitutes_ = departure.steps > 0 && !graph.variables[l.y].is_private;
   follow_chain(graph, l);
   lay_out(graph, l, oldest);
-  fill(graph, l, oldest);
+  fill(l, oldest);
   if (substitutes_) rotate_noises();
   starts_.assign(static_cast<std::size_t>((*A_).rows()), 0);
   eliminated_rows_ = triangularise_(*A_, starts_, eliminated_, eliminated_).rows_of_first;
@@ -32,7 +32,7 @@ void LocalElimination::follow_chain(const Graph& graph, const GraphLandmark& l) 
     const ChainStep& step = l.chain[static_cast<std::size_t>(j)];
     const LandmarkMatrix F = chain_jacobian(graph.models(), step, next);
     Psi = (Psi * F.inverse()).eval();
-    (*N_).middleCols(j * dim_, dim_) = -Psi.lazyProduct(step.G);
+    (*N_).middleCols(j * dim_, dim_) = -Psi.lazyProduct(noise_jacobian(graph.models(), step, next));
     next = advance(graph.models(), step, next, step.noise);
   }
 }
@@ -99,8 +99,8 @@ Eigen::Index LocalElimination::count_rows(const GraphLandmark& l, VariableId old
   Eigen::Index rows = noises_;
   for (const GraphPixel& pixel : l.pixels) rows += departure_.takes(pixel, oldest) ? 2 : 0;
   if (takes_birth(l, oldest)) rows += l.birth.rows();
-  if (departure_.absorbs_prior_of_w) rows += l.w_sigmas.size();
-  if (l.constrained) rows += l.constrained->sigmas.size();
+  if (departure_.absorbs_prior_of_w) rows += l.w_prior.rows();
+  if (l.constrained) rows += l.constrained->prior.rows();
   return rows;
 }
 
@@ -142,7 +142,7 @@ Eigen::Index LocalElimination::fill_birth(Eigen::Index row, const GraphLandmark&
   return row + rows;
 }
 
-void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, VariableId oldest) {
+void LocalElimination::fill(const GraphLandmark& l, VariableId oldest) {
   auto A = *A_;
   auto residual = A.col(A.cols() - 1);
   Eigen::Index row = 0;
@@ -168,18 +168,16 @@ void LocalElimination::fill(const Graph& graph, const GraphLandmark& l, Variable
   }
   if (takes_birth(l, oldest)) row = fill_birth(row, l);
   if (l.constrained) {
-    const Eigen::Index motion = l.constrained->sigmas.size();
-    A.block(row, constrained_column_, motion, motion) =
-        l.constrained->sigmas.cwiseInverse().asDiagonal();
+    const MotionPrior& at = l.constrained->prior;
+    A.block(row, constrained_column_, at.rows(), at.rows()) = at.J_w.asDiagonal();
   }
-  if (!departure_.absorbs_prior_of_w || l.w_sigmas.size() == 0) return;
-  const Eigen::Index motion = l.w_sigmas.size();
-  LandmarkMatrix on_state = LandmarkMatrix::Zero(motion, dim_);
-  const MotionResidual at = graph.motion_prior(l);
+  const MotionPrior& at = l.w_prior;
+  if (!departure_.absorbs_prior_of_w || at.rows() == 0) return;
+  LandmarkMatrix on_state = LandmarkMatrix::Zero(at.rows(), dim_);
   on_state.leftCols<3>() = at.J_y;
-  on_state.rightCols(motion) = at.J_w.asDiagonal();
-  fill_on_state(row, motion, 0, on_state, l);
-  residual.segment(row, motion) = at.r;
+  on_state.rightCols(at.rows()) = at.J_w.asDiagonal();
+  fill_on_state(row, at.rows(), 0, on_state, l);
+  residual.segment(row, at.rows()) = at.r;
 }
 
 // With N' = Q (T 0)', the noises Q'n are as independent as n, and only the first of them, T', are

@@ -61,7 +61,7 @@ class LocalElimination {
   Eigen::Index count_rows(const GraphLandmark& l, VariableId oldest) const;
   int column_of(VariableId id) const;  // of one of the segments
   Eigen::Index fill_birth(Eigen::Index row, const GraphLandmark& l);
-  void fill(const Graph& graph, const GraphLandmark& landmark, VariableId oldest);
+  void fill(const GraphLandmark& landmark, VariableId oldest);
   void fill_on_state(Eigen::Index row, Eigen::Index rows, int depth, LandmarkMatrix coefficient,
                      const GraphLandmark& landmark);
   void rotate_noises();

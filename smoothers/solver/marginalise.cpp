@@ -119,8 +119,8 @@ void Marginaliser::update_landmark(Graph& graph, const LocalElimination& local,
   if (d.all_rows || l.anchor == oldest) l.birth = {};
   std::erase_if(l.pixels, [&](const GraphPixel& p) { return d.takes(p, oldest); });
   for (GraphPixel& p : l.pixels) p.depth -= d.steps;
-  if (d.absorbs_prior_of_w) l.w_sigmas.resize(0);
-  if (l.constrained) l.constrained->sigmas.resize(0);
+  if (d.absorbs_prior_of_w) l.w_prior = {};
+  if (l.constrained) l.constrained->prior = {};
 }
 
 void Marginaliser::operator()(Graph& graph, const Leaving& leaving) {

@@ -80,8 +80,8 @@ void Marginals::add_information(LandmarkId id, const Eigen::VectorXd& prior_grad
   if (const PriorBlock* w = prior.find(l.constrained->w)) {
     gradient += prior_gradient.segment(w->offset, n);
   }
-  const MotionVector& sigmas = l.constrained->sigmas;
-  if (sigmas.size() > 0) own.diagonal() += sigmas.cwiseAbs2().cwiseInverse();
+  const MotionPrior& of_w = l.constrained->prior;
+  if (of_w.rows() > 0) own.diagonal() += of_w.J_w.cwiseAbs2();
   information = own;
   vector = -gradient;
 }

@@ -50,7 +50,7 @@ JointMatrix Marginals::joint(const WindowLandmark& landmark) const {
   const Eigen::Index before = P.rows(), dim = graph_.models().landmark->dim();
   if (before < kX + dim) {
     P.conservativeResizeLike(JointMatrix::Zero(kX + dim, kX + dim));
-    P.diagonal().tail(dim - 3) = l.w_sigmas.cwiseAbs2();
+    P.diagonal().tail(dim - 3) = l.w_prior.J_w.cwiseAbs2().cwiseInverse();
   }
   for (int i = equations_.steps(landmark.id); i < l.steps(); ++i) {
     const ChainStep& step = l.chain[static_cast<std::size_t>(i)];

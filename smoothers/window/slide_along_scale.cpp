@@ -71,10 +71,9 @@ Eigen::Vector2d information_of_scale(const Graph& graph) {
   for (const GraphLandmark& l : graph.landmarks) {
     if (!graph.is_solved_jointly(l)) continue;
     add_birth(graph, l, sum);
-    if (!l.is_free() || l.w_sigmas.size() == 0) continue;
-    const MotionResidual at = graph.motion_prior(l);
-    const Eigen::Vector3d of_y = along(graph, l.y);
-    add<SmallVector>(at.J_y * of_y + at.J_w.cwiseProduct(along(graph, l.w)), at.r, sum);
+    if (!l.is_free() || l.w_prior.rows() == 0 || l.w_prior.unit > 0.0) continue;
+    const SmallVector w = graph.variables[l.w].value.cwiseQuotient(l.w_prior.sigmas);
+    add<SmallVector>(along(graph, l.w).cwiseQuotient(l.w_prior.sigmas), w, sum);
   }
   return sum;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "smoothers/graph/chain_step.h"
+
 namespace slammot {
 
 void extend_chain(Graph& graph, LandmarkId id, Label label, double dt) {
@@ -15,6 +17,7 @@ void extend_chain(Graph& graph, LandmarkId id, Label label, double dt) {
   step.x = model.predict(x, dt);
   step.point = step.x;
   step.G = model.noise_root(step.x, graph.models().prior.noise(step.is_moving), dt);
+  step.unit = unit_of_motion(graph.models(), step.x.head<3>());
   step.noise.setZero(model.dim());
   l.chain.push_back(step);
 }

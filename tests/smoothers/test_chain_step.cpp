@@ -87,23 +87,30 @@ TEST_P(ChainStepLaws, FarAwayTheUnitStays) {
 TEST_P(ChainStepLaws, ThePriorOfAMotionTellsNothingOfTheScale) {
   const int motion = models.landmark->motion;
   const MotionVector sigmas = MotionVector::LinSpaced(motion, 1.0, 2.5);
-  const auto prior = [&](const LandmarkVector& at, double unit) {
-    return motion_residual(models.point(), sigmas, unit, at.head<3>(), at.tail(motion));
+  MotionPrior prior;
+  prior.sigmas = sigmas;
+  prior.unit = 0.2;
+  const auto r = [&](const LandmarkVector& at) {
+    return motion_residual(models, prior, at.head<3>(), at.tail(motion));
   };
-  const MotionResidual at = prior(x, 0.2);
-  EXPECT_LT((prior(scaled_state(0.4), 0.2).r - at.r).norm(), 1e-12);
+  linearise_motion_prior(models, x.head<3>(), x.tail(motion), prior);
+  EXPECT_LT((r(x) - prior.r).norm(), 1e-12);
+  EXPECT_LT((r(scaled_state(0.4)) - prior.r).norm(), 1e-12);
   const MotionVector along =
-      at.J_y * along_scale(models.point(), x.head<3>()) + at.J_w.cwiseProduct(x.tail(motion));
+      prior.J_y * along_scale(models.point(), x.head<3>()) + prior.J_w.cwiseProduct(x.tail(motion));
   EXPECT_LT(along.norm(), 1e-12);
-  for (int i = 0; i < 3; ++i) {
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
     LandmarkVector more = x, less = x;
     more(i) += kTurn;
     less(i) -= kTurn;
-    const MotionVector slope = (prior(more, 0.2).r - prior(less, 0.2).r) / (2.0 * kTurn);
-    EXPECT_LT((at.J_y.col(i) - slope).norm(), 1e-7);
+    const MotionVector slope = (r(more) - r(less)) / (2.0 * kTurn);
+    const MotionVector column =
+        i < 3 ? MotionVector(prior.J_y.col(i))
+              : MotionVector(prior.J_w.cwiseProduct(MotionVector::Unit(motion, i - 3)));
+    EXPECT_LT((column - slope).norm(), 1e-7) << "column " << i;
   }
-  // In metres it does.
-  EXPECT_GT((prior(scaled_state(0.4), 0.0).r - prior(x, 0.0).r).norm(), 0.1);
+  prior.unit = 0.0;  // in metres it does
+  EXPECT_GT((r(scaled_state(0.4)) - r(x)).norm(), 0.1);
 }
 
 TEST(ChainStep, HasNoUnitWhereAMotionIsInUnitsOfTheDepth) {

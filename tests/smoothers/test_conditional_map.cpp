@@ -169,7 +169,7 @@ TEST_P(InactiveMap, ConditionedOnZero) {
   EXPECT_LT(test::difference(posterior(asked), expected), kExact);
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, InactiveMap, testing::ValuesIn(test::models()));
+INSTANTIATE_TEST_SUITE_P(Models, InactiveMap, testing::ValuesIn(test::every_model()));
 
 TEST(ConditionalMap, WhatHasNoCovarianceDoesNotReturn) {
   ConditionalMap map;

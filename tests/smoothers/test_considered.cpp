@@ -160,7 +160,7 @@ TEST_P(Considered, AreSetApartFromAPrior) {
   EXPECT_LT(test::difference(joint(Scene::kMoving), before), 1e-6);
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, Considered, testing::ValuesIn(test::models()));
+INSTANTIATE_TEST_SUITE_P(Models, Considered, testing::ValuesIn(test::every_model()));
 
 }  // namespace
 }  // namespace slammot

@@ -180,7 +180,7 @@ TEST(Graph, JacobianOfAConstrainedMotionIsOfTheLinearisation) {
   leaving.departures.front() = {};
   leaving.departures.front().landmark = Scene::kMoving;
   leaving.departures.front().until = 0.4;
-  MotionVector information = l.constrained->sigmas.cwiseAbs2().cwiseInverse();
+  MotionVector information = l.constrained->prior.sigmas.cwiseAbs2().cwiseInverse();
   scene.marginalise(leaving);
   const MarginalPrior& prior = graph.prior().active;
   const MarginalPrior::Block* block = prior.find(w);

@@ -151,7 +151,7 @@ TEST_P(Marginalisation, OfLandmarksThatMove) {
   EXPECT_FALSE(graph[Scene::kMoving].is_alive);
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, Marginalisation, testing::ValuesIn(test::models()));
+INSTANTIATE_TEST_SUITE_P(Models, Marginalisation, testing::ValuesIn(test::every_model()));
 
 }  // namespace
 }  // namespace slammot
