@@ -2,6 +2,7 @@
 
 #include "estimation/loop/frame_loop.h"
 #include "smoothers/ceres/ceres_solve.h"
+#include "smoothers/graph/chain_step.h"
 #include "smoothers/graph/least_noise.h"
 #include "smoothers/scale/noise_scale.h"
 #include "smoothers/window/window.h"
@@ -26,8 +27,7 @@ class Batch final : public Estimator {
   Batch(const Setup& setup, const ModelOptions& models, const WindowOptions& front)
       : setup_(setup),
         functions_(find_landmark(models.landmark, models.point)),
-        graph_({setup.rig(), setup.pixel_sigma, setup.prior, &functions_,
-                /*noise_tells_scale=*/true},  // as in the cost that Ceres minimises
+        graph_({setup.rig(), setup.pixel_sigma, setup.prior, &functions_, noise_tells_scale(setup)},
                false) {
     if (setup.prior.mean_sigma > 0.0) graph_.add_scene(setup.prior);
     auto window = std::make_unique<Window>(setup, models, front, &histories_);
@@ -92,16 +92,17 @@ void Batch::add_cameras() {
 void Batch::add_landmark(const TrackHistory& history) {
   if (history.pixels.empty()) return;
   const VariableId anchor = cameras_[static_cast<std::size_t>(history.first)].position;
-  const LandmarkId id = graph_.add_landmark(anchor, history.states.front().head<3>());
+  const LandmarkId id = graph_.add_landmark(anchor, history.born_at);
   all_.push_back({id, history});
   GraphLandmark& l = graph_[id];
   l.birth = history.birth;  // the window's, which may have been learnt: the same information
   if (l.birth.kind == BirthPrior::Kind::kSharedDepth) l.birth.scene = graph_.scene->scene;
   if (history.is_free()) {
-    graph_.free_landmark(id, functions_.prior_sigmas(history.record.prior));
+    graph_.free_landmark(id, functions_.prior_sigmas(history.record.prior));  // stated at birth
     graph_.variables[l.w].value = history.states.front().tail(functions_.motion);
     add_chain(history, l);
   }
+  graph_.variables[l.y].value = history.states.front().head<3>();
   for (const auto& [frame, z] : history.pixels) {
     graph_.add_pixel(id, cameras_[static_cast<std::size_t>(frame)], z,
                      l.is_free() ? frame - history.first : 0);
@@ -119,6 +120,7 @@ void Batch::add_chain(const TrackHistory& history, GraphLandmark& l) {
     step.is_moving = history.record.label == Label::kMoving;
     x = functions_.predict(x, step.dt);
     step.G = functions_.noise_root(x, setup_.prior.noise(step.is_moving), step.dt);
+    step.unit = unit_of_motion(graph_.models(), x.head<3>());
     step.noise = least_noise(step.G, history.states[i + 1] - x);
     x += step.G * step.noise;
   }

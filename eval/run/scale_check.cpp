@@ -20,22 +20,6 @@ double implied_sigma(const std::vector<CameraEstimate>& cameras, std::size_t i) 
   return std::sqrt(d.dot(P * d)) / d.squaredNorm();
 }
 
-std::optional<RunWarning> first_velocity_is_another(const RunResult& run,
-                                                    const StatedScale& stated) {
-  constexpr double kFarOff = 4.03;  // sigma: of three components, one in a thousand
-  const std::vector<CameraEstimate>& cameras = run.judged();
-  if (!run.batch || cameras.empty() || !(stated.velocity_sigma > 0.0)) return std::nullopt;
-  const Eigen::Vector3d first = cameras.front().state.velocity;
-  const double off = (first - stated.velocity).norm() / stated.velocity_sigma;
-  if (!(off > kFarOff)) return std::nullopt;
-  return RunWarning{
-      run.frames.empty() ? 0 : run.frames.front(),
-      fmt::format(
-          "its first velocity, {:.2g} m/s, is {:.2g} sigma from the stated one, {:.2g} m/s, "
-          "the only word on the scale: do not trust its scale, nor its sigmas along the path",
-          first.norm(), off, stated.velocity.norm())};
-}
-
 }  // namespace
 
 std::optional<StatedScale> stated_scale(const Setup& setup) {
@@ -45,15 +29,13 @@ std::optional<StatedScale> stated_scale(const Setup& setup) {
   const double depth = setup.prior.inverse_depth / setup.prior.mean_sigma;
   const double information = speed * speed + depth * depth;
   if (information < kLeast) return std::nullopt;
-  return StatedScale{information, setup.camera_noise.acceleration, setup.initial.state.velocity,
-                     setup.initial.velocity_sigma};
+  return StatedScale{information, setup.camera_noise.acceleration};
 }
 
 std::optional<RunWarning> scale_warning(const RunResult& run, const StatedScale& stated) {
   constexpr double kMostOfFrame = 3.0;
   constexpr double kTooSure = 3.0, kTooSureItself = 2.0;
   const std::vector<CameraEstimate>& cameras = run.judged();
-  if (auto warning = first_velocity_is_another(run, stated)) return warning;
   double information = stated.information;
   for (std::size_t i = 1; i < std::min(cameras.size(), run.frames.size()); ++i) {
     const CameraState &x = cameras[i].state, &before = cameras[i - 1].state;

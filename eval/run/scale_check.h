@@ -24,10 +24,8 @@
 namespace slammot {
 
 struct StatedScale {
-  double information = 0.0;                            // of the first velocity and the mean depth
-  double acceleration = 0.0;                           // sigma_a [m/s^2]
-  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // the first one, in W [m/s]
-  double velocity_sigma = 0.0;                         // of each component [m/s]; 0: not stated
+  double information = 0.0;   // of the first velocity and the mean depth
+  double acceleration = 0.0;  // sigma_a [m/s^2]
 };
 
 // None where a landmark is known, or the mean of the depths, or where velocity and depth tell the
@@ -36,8 +34,7 @@ std::optional<StatedScale> stated_scale(const Setup& setup);
 
 // The first frame whose covariance implies less than a third of the sigma that I does, I being that
 // of the frames so far, or whose estimator states less than half of it. Nothing of cameras without
-// covariance. Of a batch also a first velocity that is not the stated one: it takes noises in
-// metres, and nothing but that velocity holds its world against them (docs/smoother.md).
+// covariance.
 std::optional<RunWarning> scale_warning(const RunResult& run, const StatedScale& stated);
 
 }  // namespace slammot

@@ -5,6 +5,7 @@
 #include "estimation/estimator.h"
 #include "smoothers/ceres/cost_functions.h"
 #include "smoothers/ceres/manifolds.h"
+#include "smoothers/scale/noise_scale.h"
 
 namespace slammot {
 
@@ -21,6 +22,27 @@ ceres::Solver::Options solver_options(int max_iterations, double function_tolera
   options.use_nonmonotonic_steps = true;  // stiff motion factors: see optimise.h
   options.logging_type = ceres::SILENT;
   return options;
+}
+
+// u(v) of a motion at the estimate; 0: its noise is in metres (noise_scale.h).
+double speed(const Graph& graph, const CameraMotionFactor& f) {
+  if (graph.models().noise_tells_scale) return 0.0;
+  return unit_of_speed(graph.camera(f.to).velocity, unknown_speed(f.weight));
+}
+
+std::vector<double> speeds(const Graph& graph) {
+  std::vector<double> all;
+  for (const CameraMotionFactor& f : graph.motions) all.push_back(speed(graph, f));
+  return all;
+}
+
+// Relative to what they were.
+double largest_change(const std::vector<double>& before, const std::vector<double>& after) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i] > 0.0) largest = std::max(largest, std::abs(after[i] / before[i] - 1.0));
+  }
+  return largest;
 }
 
 // Adds a graph's factors to a problem.
@@ -69,7 +91,8 @@ class Builder {
     for (const CameraMotionFactor& f : graph_.motions) {
       std::vector<double*> both = blocks(f.from);
       for (double* block : blocks(f.to)) both.push_back(block);
-      problem_->AddResidualBlock(camera_motion_cost(f.weight, f.dt).release(), nullptr, both);
+      problem_->AddResidualBlock(camera_motion_cost(f.weight, f.dt, speed(graph_, f)).release(),
+                                 nullptr, both);
     }
     if (!graph_.scene) return;
     const ScenePrior& scene = *graph_.scene;
@@ -88,7 +111,10 @@ class Builder {
       problem_->SetManifold(value(l.y), new FarPointManifold(point, graph_.farthest(l)));
     }
     add_birth(l);
-    if (l.w_prior.rows() > 0) {
+    if (l.w_prior.unit > 0.0) {
+      problem_->AddResidualBlock(motion_prior_cost(graph_.models(), l.w_prior).release(), nullptr,
+                                 std::vector<double*>{value(l.y), value(l.w)});
+    } else if (l.w_prior.rows() > 0) {
       add_gaussian(value(l.w), Eigen::VectorXd::Zero(l.w_prior.rows()), l.w_prior.sigmas);
     }
     for (ChainStep& step : l.chain) {
@@ -141,12 +167,21 @@ class Builder {
 CeresProblem ceres_problem(Graph& graph) { return Builder(graph).build(); }
 
 CeresSolution solve_with_ceres(Graph& graph, int max_iterations, double function_tolerance) {
-  const CeresProblem built = ceres_problem(graph);
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver_options(max_iterations, function_tolerance), built.problem.get(), &summary);
-  if (!summary.IsSolutionUsable()) throw Diverged("no solution: " + summary.message);
-  return {built.waiting, static_cast<int>(summary.iterations.size()),
-          summary.termination_type == ceres::CONVERGENCE};
+  int iterations = 0;
+  for (;;) {
+    const std::vector<double> before = speeds(graph);
+    const CeresProblem built = ceres_problem(graph);
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver_options(max_iterations - iterations, function_tolerance),
+                 built.problem.get(), &summary);
+    if (!summary.IsSolutionUsable()) throw Diverged("no solution: " + summary.message);
+    iterations += static_cast<int>(summary.iterations.size());
+    const bool has_converged = summary.termination_type == ceres::CONVERGENCE;
+    const bool has_settled = largest_change(before, speeds(graph)) <= kNegligibleNoise;
+    if (has_settled || iterations >= max_iterations) {
+      return {built.waiting, iterations, has_converged && has_settled};
+    }
+  }
 }
 
 }  // namespace slammot

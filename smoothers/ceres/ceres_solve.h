@@ -23,7 +23,8 @@ struct CeresSolution {
 };
 
 // Lowers the cost until a step lowers it by less than `function_tolerance` of it or changes
-// nothing, or for `max_iterations`. Throws Diverged when Ceres fails. One thread, so that the
+// nothing, again with the noise in units of these speeds until they stay (noise_scale.h), or for
+// `max_iterations`. Throws Diverged when Ceres fails. One thread, so that the
 // result is always the same.
 CeresSolution solve_with_ceres(Graph& graph, int max_iterations, double function_tolerance = 1e-14);
 

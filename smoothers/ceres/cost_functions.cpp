@@ -3,6 +3,8 @@
 #include <ceres/sized_cost_function.h>
 
 #include "smoothers/ceres/manifolds.h"
+#include "smoothers/graph/chain_step.h"
+#include "smoothers/scale/noise_scale.h"
 
 namespace slammot {
 namespace {
@@ -63,12 +65,21 @@ class InitialCameraCost final : public ceres::SizedCostFunction<12, 3, 4, 6> {
 
 class CameraMotionCost final : public ceres::SizedCostFunction<12, 3, 4, 6, 3, 4, 6> {
  public:
-  CameraMotionCost(const Matrix12d& weight, double dt) : weight_(weight), dt_(dt) {}
+  CameraMotionCost(const Matrix12d& weight, double dt, double speed)
+      : weight_(weight), dt_(dt), speed_(speed) {}
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    const CameraState to = camera_of(x + 3);
     Matrix12d J_from, J_to;
-    Eigen::Map<Vector12d>(residuals, 12) = camera_motion_residual(
-        weight_, dt_, camera_of(x), camera_of(x + 3), jacobians ? &J_from : nullptr, &J_to);
+    Eigen::Map<Vector12d> r(residuals, 12);
+    r = camera_motion_residual(weight_, dt_, camera_of(x), to, jacobians ? &J_from : nullptr,
+                               &J_to);
+    const double e = unknown_speed(weight_);
+    const double factor = speed_ > 0.0 ? speed_ / unit_of_speed(to.velocity, e) : 1.0;
+    scale_linear_part(factor, r);
     if (!jacobians) return true;
+    scale_linear_part(factor, J_from);
+    scale_linear_part(factor, J_to);
+    if (speed_ > 0.0) leave_out_scale(to.velocity, e, r, J_to);
     write_camera(jacobians, 0, x, J_from);
     write_camera(jacobians, 3, x, J_to);
     return true;
@@ -76,7 +87,7 @@ class CameraMotionCost final : public ceres::SizedCostFunction<12, 3, 4, 6, 3, 4
 
  private:
   Matrix12d weight_;
-  double dt_;
+  double dt_, speed_;
 };
 
 class PixelCost final : public ceres::SizedCostFunction<2, 3, 4, 3, 3> {
@@ -132,13 +143,11 @@ class ChainPixelCost final : public ceres::CostFunction {
   }
 
   bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
-    const LandmarkFunctions& model = *models_.landmark;
-    const int dim = model.dim();
+    const int dim = models_.landmark->dim();
     std::vector<LandmarkVector> states(depth_ + 1);
     states[0] = landmark_state(Block3(x[3]), Eigen::Map<const Eigen::VectorXd>(x[4], dim - 3));
     for (std::size_t i = 0; i < depth_; ++i) {
-      states[i + 1] = model.predict(states[i], chain_[i].dt) +
-                      chain_[i].G * Eigen::Map<const Eigen::VectorXd>(x[5 + i], dim);
+      states[i + 1] = advance(models_, chain_[i], states[i], noise(x, i));
     }
     const auto at = pixel_residual(models_, z_, Block3(x[0]), orientation(x[1]), Block3(x[2]),
                                    states.back().head<3>());
@@ -152,8 +161,9 @@ class ChainPixelCost final : public ceres::CostFunction {
         Eigen::Matrix<double, 2, Eigen::Dynamic>::Zero(2, dim);
     J.leftCols<3>() = at->J_y;
     for (std::size_t i = depth_; i-- > 0;) {
-      write(jacobians, static_cast<int>(5 + i), (J * chain_[i].G).eval());
-      J = (J * model.predict_jacobian(states[i], chain_[i].dt)).eval();
+      const LandmarkMatrix of_noise = noise_jacobian(models_, chain_[i], states[i]);
+      write(jacobians, static_cast<int>(5 + i), (J * of_noise).eval());
+      J = (J * chain_jacobian(models_, chain_[i], states[i], noise(x, i))).eval();
     }
     write(jacobians, 3, J.leftCols<3>().eval());
     write(jacobians, 4, J.rightCols(dim - 3).eval());
@@ -161,6 +171,10 @@ class ChainPixelCost final : public ceres::CostFunction {
   }
 
  private:
+  LandmarkVector noise(double const* const* x, std::size_t i) const {
+    return Eigen::Map<const Eigen::VectorXd>(x[5 + i], models_.landmark->dim());
+  }
+
   const GraphModels& models_;
   MeasuredPixel z_;
   const std::vector<ChainStep>& chain_;
@@ -218,6 +232,29 @@ class KnownLandmarkCost final : public ceres::SizedCostFunction<3, 3, 3> {
  private:
   const PointFunctions& point_;
   KnownLandmark known_;
+};
+
+class MotionPriorCost final : public ceres::CostFunction {
+ public:
+  MotionPriorCost(const GraphModels& models, const MotionPrior& prior)
+      : models_(models), prior_(prior) {
+    const auto dim = static_cast<int>(prior.rows());
+    set_num_residuals(dim);
+    *mutable_parameter_block_sizes() = {3, dim};
+  }
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    MotionPrior at = prior_;
+    linearise_motion_prior(models_, Block3(x[0]),
+                           Eigen::Map<const Eigen::VectorXd>(x[1], prior_.rows()), at);
+    Eigen::Map<Eigen::VectorXd>(residuals, prior_.rows()) = at.r;
+    write(jacobians, 0, at.J_y);
+    write(jacobians, 1, Eigen::MatrixXd(at.J_w.asDiagonal()));
+    return true;
+  }
+
+ private:
+  const GraphModels& models_;
+  MotionPrior prior_;
 };
 
 class GaussianCost final : public ceres::CostFunction {
@@ -297,8 +334,8 @@ Cost initial_camera_cost(const InitialCamera& initial) {
   return std::make_unique<InitialCameraCost>(initial);
 }
 
-Cost camera_motion_cost(const Matrix12d& weight, double dt) {
-  return std::make_unique<CameraMotionCost>(weight, dt);
+Cost camera_motion_cost(const Matrix12d& weight, double dt, double speed) {
+  return std::make_unique<CameraMotionCost>(weight, dt, speed);
 }
 
 Cost pixel_cost(const GraphModels& models, const MeasuredPixel& z) {
@@ -319,6 +356,10 @@ Cost birth_cost(const PointFunctions& point, const BirthPrior& birth) {
     return std::make_unique<SharedDepthCost>(point, birth.spread);
   }
   return std::make_unique<DepthCost>(point, birth);
+}
+
+Cost motion_prior_cost(const GraphModels& models, const MotionPrior& prior) {
+  return std::make_unique<MotionPriorCost>(models, prior);
 }
 
 Cost gaussian_cost(const Eigen::VectorXd& mean, const Eigen::VectorXd& sigmas) {

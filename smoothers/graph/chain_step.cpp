@@ -52,14 +52,14 @@ LandmarkVector advance(const GraphModels& models, const ChainStep& step, const L
 }
 
 LandmarkMatrix chain_jacobian(const GraphModels& models, const ChainStep& step,
-                              const LandmarkVector& x) {
+                              const LandmarkVector& x, const LandmarkVector& noise) {
   LandmarkMatrix F = models.landmark->predict_jacobian(x, step.dt);
   if (step.unit <= 0.0) return F;
   const Eigen::Vector3d y = next_point(models, step, x);
   const double unit = unit_of_motion(models, y);
   if (models.point().inverse_depth(y) < unit) return F;  // so far away the unit stays
   const int motion = models.landmark->motion;
-  const LandmarkVector by_noise = step.G.lazyProduct(step.noise);
+  const LandmarkVector by_noise = step.G.lazyProduct(noise);
   const LandmarkMatrix of_unit =
       models.point().inverse_depth_jacobian(y) * F.topRows<3>() / unit;  // d log rho / dx
   F.bottomRows(motion) -= step.unit / unit * by_noise.tail(motion) * of_unit;

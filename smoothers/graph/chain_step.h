@@ -26,9 +26,9 @@ void linearise_motion_prior(const GraphModels& models, const Eigen::Vector3d& y,
 LandmarkVector advance(const GraphModels& models, const ChainStep& step, const LandmarkVector& x,
                        const LandmarkVector& noise);
 
-// dx'/dx at n = step.noise.
+// dx'/dx
 LandmarkMatrix chain_jacobian(const GraphModels& models, const ChainStep& step,
-                              const LandmarkVector& x);
+                              const LandmarkVector& x, const LandmarkVector& noise);
 
 // U G = dx'/dn.
 LandmarkMatrix noise_jacobian(const GraphModels& models, const ChainStep& step,

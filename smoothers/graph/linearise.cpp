@@ -47,7 +47,7 @@ void Graph::linearise_chain(GraphLandmark& l) {
                              : LandmarkVector{};
   for (ChainStep& step : l.chain) {
     take_unit(models_, x, step);
-    step.F = chain_jacobian(models_, step, fixed_points_ ? point : x);
+    step.F = chain_jacobian(models_, step, fixed_points_ ? point : x, step.noise);
     x = advance(models_, step, x, step.noise);
     step.x = x;
     if (!fixed_points_) continue;

@@ -14,12 +14,18 @@
 // with the posterior sigma of the speed, a share e^2/|v1|^2 of r is left in every frame, and a slow
 // camera's world shrinks.)
 //
-// That is no Jacobian of a cost: what Ceres minimises (the batch, `window.solver=ceres`) keeps the
-// noise in metres.
+// That is the Jacobian of a cost in which |v^| is a constant, the same in a world of any size:
+//
+//   r_v u(v^) / u(v1),   u(v) = (|v|^2 + e^2)^(1/2).
+//
+// Ceres (the batch, `window.solver=ceres`) minimises it, takes v^ = v1 there, and so on until v1
+// stays; our own solver takes v^ in every step.
 //
 // Motions of landmarks in metres are in units as well, of their distance, and by a cost of their
 // own (smoothers/graph/chain_step.h).
 #pragma once
+
+#include <cmath>
 
 #include "estimation/estimator.h"
 #include "models/camera_state.h"
@@ -35,6 +41,17 @@ inline bool noise_tells_scale(const Setup& setup) {
 inline double unknown_speed(const Matrix12d& weight) {
   constexpr double kOfAStep = 0.1;
   return kOfAStep / weight(kVelocity, kVelocity);
+}
+
+// u(v) [m/s], `sigma` being e.
+inline double unit_of_speed(const Eigen::Vector3d& velocity, double sigma) {
+  return std::sqrt(velocity.squaredNorm() + sigma * sigma);
+}
+
+// Of the linear part: rows of r or of its Jacobians times `factor`, u(v^) / u(v1).
+template <typename Rows>
+void scale_linear_part(double factor, Rows& rows) {
+  for (const int part : {kPosition, kVelocity}) rows.template middleRows<3>(part) *= factor;
 }
 
 // `velocity` is v1, `sigma` e, and `J_to` the 12 x 12 Jacobian of r with respect to x1.

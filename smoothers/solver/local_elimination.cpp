@@ -30,7 +30,7 @@ void LocalElimination::follow_chain(const Graph& graph, const GraphLandmark& l) 
   N_.resize(dim_, noises_);
   for (int j = 0; j < departure_.steps; ++j) {
     const ChainStep& step = l.chain[static_cast<std::size_t>(j)];
-    const LandmarkMatrix F = chain_jacobian(graph.models(), step, next);
+    const LandmarkMatrix F = chain_jacobian(graph.models(), step, next, step.noise);
     Psi = (Psi * F.inverse()).eval();
     (*N_).middleCols(j * dim_, dim_) = -Psi.lazyProduct(noise_jacobian(graph.models(), step, next));
     next = advance(graph.models(), step, next, step.noise);

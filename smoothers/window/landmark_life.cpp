@@ -124,7 +124,7 @@ bool Window::add(const FirstSight& seen, const LandmarkPrior& prior, bool is_fre
   for (const Observation& z : seen.others) graph_.add_pixel(landmark.id, newest.camera, z, 0);
   if (is_free) graph_.free_landmark(landmark.id, functions_.prior_sigmas(prior));
   if (histories_) {
-    histories_->begin(seen.z.track, newest.number, l.birth);
+    histories_->begin(seen.z.track, newest.number, l.birth, here->y);
     histories_->measured(seen.z, newest.number);
     for (const Observation& z : seen.others) histories_->measured(z, newest.number);
   }

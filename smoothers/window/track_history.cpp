@@ -4,10 +4,12 @@
 
 namespace slammot {
 
-void TrackHistories::begin(int track, int frame, const BirthPrior& birth) {
+void TrackHistories::begin(int track, int frame, const BirthPrior& birth,
+                           const Eigen::Vector3d& y) {
   TrackHistory& history = open_[track] = {};
   history.first = frame;
   history.birth = birth;
+  history.born_at = y;
 }
 
 void TrackHistories::measured(const Observation& z, int frame) {

@@ -15,7 +15,8 @@ namespace slammot {
 struct TrackHistory {
   int first = 0;  // frame
   BirthPrior birth;
-  std::vector<std::pair<int, Observation>> pixels;  // by frame, the first one included
+  Eigen::Vector3d born_at = Eigen::Vector3d::Zero();  // y
+  std::vector<std::pair<int, Observation>> pixels;    // by frame, the first one included
   std::vector<LandmarkVector>
       states;  // (y, w) by frame from the first; of a static landmark its last
   TrackRecord record;
@@ -26,7 +27,7 @@ struct TrackHistory {
 
 class TrackHistories {
  public:
-  void begin(int track, int frame, const BirthPrior& birth);
+  void begin(int track, int frame, const BirthPrior& birth, const Eigen::Vector3d& y);
   void measured(const Observation& z, int frame);
   void discard(int track,
                int frame);  // a measurement that turned out to be wrong

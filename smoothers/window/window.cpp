@@ -46,8 +46,7 @@ Window::Window(const Setup& setup, const ModelOptions& models, const WindowOptio
       condition_(models.collapse == Collapse::kCondition),
       remembers_(motion_memory(models, find_landmark(models.landmark, models.point)) > 0),
       functions_(find_landmark(models.landmark, models.point)),
-      graph_({setup.rig(), setup.pixel_sigma, setup.prior, &functions_,
-              options.solver == WindowSolver::kCeres || noise_tells_scale(setup),
+      graph_({setup.rig(), setup.pixel_sigma, setup.prior, &functions_, noise_tells_scale(setup),
               keeps_scale(setup, models, options), setup.initial.state.position},
              has_fixed_points(options)),
       cameras_(graph_),
@@ -88,7 +87,7 @@ void Window::add_known(const KnownLandmark& known) {
   GraphLandmark& l = graph_[landmark.id];
   l.birth.kind = BirthPrior::Kind::kKnown;
   l.birth.known = known;
-  if (histories_) histories_->begin(known.track, cameras_.newest().number, l.birth);
+  if (histories_) histories_->begin(known.track, cameras_.newest().number, l.birth, y);
   graph_.linearise(l);
 }
 
@@ -215,9 +214,7 @@ void Window::in_force(InForce& result) const {
         acted_.relinearised);
   state("relinearisation by Ceres", "window.solver", uses_ceres, "", acted_.updated);
   state("first estimates", "window.linearisation", graph_.fixed_points(), "", acted_.held_points);
-  const char* because = !setup_.prior.spread_follows_mean ? ""
-                        : uses_ceres                      ? "window.solver=ceres"
-                                                          : "landmarks known beforehand";
+  const char* because = setup_.prior.spread_follows_mean ? "landmarks known beforehand" : "";
   state("scale kept by the noise (noise_scale.h)", "prior.spread",
         !graph_.models().noise_tells_scale, because, acted_.updated);
   state("scale kept while the estimate moves", "gauge", graph_.keeps_scale(),

@@ -15,8 +15,8 @@ namespace slammot {
 namespace {
 
 constexpr int kFrames = 24;
-constexpr int kTold = 18;         // the first frame in which depths are measured
-constexpr int kAll = 1000;        // frames: none leaves the window
+constexpr int kTold = 18;        // the first frame in which depths are measured
+constexpr int kAll = 1000;       // frames: none leaves the window
 constexpr double kLarger = 1.3;  // the world that the depths tell
 
 // Nothing known but a first velocity, to 11%; towards the end depths in metres, where they are

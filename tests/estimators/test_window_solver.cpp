@@ -2,7 +2,9 @@
 // labels, poses and covariances.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "datasets/readers/reader.h"
 #include "datasets/simulation/scenario.h"
@@ -25,6 +27,16 @@ std::unique_ptr<Estimator> window_with(WindowSolver solver, const Sequence& sequ
   configuration.model.labels.births = Births::kStaticFirst;  // every frame is solved once
   return make_window(make_setup(sequence, configuration), configuration.model,
                      configuration.window);
+}
+
+// A cost is known to its rounding, and so its minimum to the root of that, in sigmas: the cost is
+// d^2 / 2 above it. Ceres stops where the cost no longer changes, some of these short of the
+// minimum in directions in which it converges slowly.
+constexpr double kCost = 500.0;  // of a window of these tests
+constexpr double kTimesRounding = 30.0;
+
+double rounding_of_minimum(double cost) {
+  return std::sqrt(2.0 * std::numeric_limits<double>::epsilon() * cost);
 }
 
 // In all frames but the first few, where depths are hardly known: both go on for as many iterations
@@ -55,7 +67,7 @@ void expect_same_runs(const Sequence& sequence, const Configuration& configurati
   std::printf("largest difference: %.2g in the first %d frames, then %.2g\n", worst_of_first,
               first_few, worst);
   EXPECT_LT(worst_of_first, 1e-4);
-  EXPECT_LT(worst, 1e-6);
+  EXPECT_LT(worst, kTimesRounding * rounding_of_minimum(kCost));
   EXPECT_GT(decided, 5);
 }
 
@@ -66,8 +78,15 @@ TEST(WindowSolver, IsThatOfCeresOnCircle) {
                    0);
 }
 
-// Its first 25 frames; the whole takes minutes. Something must tell the scale: else ours leaves it
-// out of the Jacobians of the camera's noise (noise_scale.h).
+// Noises in units of the world (noise_scale.h).
+TEST(WindowSolver, IsThatOfCeresWhereOnlyTheVelocityTellsTheScale) {
+  Configuration configuration;
+  configuration.window.iterations = 1000;
+  expect_same_runs(simulate("circle", {{"frames", "14"}, {"known", "0"}, {"first_moving", "0"}}, 2),
+                   configuration, 5);
+}
+
+// Its first 25 frames; the whole takes minutes.
 TEST(WindowSolver, IsThatOfCeresOnARecording) {
   const std::filesystem::path folder = std::filesystem::path(test::kSharedData) / "synth19_1px";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;

@@ -49,7 +49,7 @@ class ChainStepLaws : public testing::TestWithParam<std::tuple<const char*, cons
 };
 
 TEST_P(ChainStepLaws, JacobianIsThatOfTheStep) {
-  const LandmarkMatrix F = chain_jacobian(models, step, x);
+  const LandmarkMatrix F = chain_jacobian(models, step, x, step.noise);
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     LandmarkVector more = x, less = x;
     more(i) += kTurn;
@@ -80,7 +80,7 @@ TEST_P(ChainStepLaws, ANoiseIsAsLargeInAWorldOfAnyScale) {
 TEST_P(ChainStepLaws, FarAwayTheUnitStays) {
   x.head<3>() = models.point().of({0.3, -0.2, 0.9}, 1e-4, Eigen::Vector3d::Zero());
   EXPECT_DOUBLE_EQ(unit_of_motion(models, x.head<3>()), 0.003);
-  EXPECT_TRUE(chain_jacobian(models, step, x)
+  EXPECT_TRUE(chain_jacobian(models, step, x, step.noise)
                   .isApprox(models.landmark->predict_jacobian(x, step.dt), 1e-12));
 }
 

@@ -7,6 +7,7 @@
 #include "models/camera_motion.h"
 #include "smoothers/ceres/cost_functions.h"
 #include "smoothers/ceres/manifolds.h"
+#include "smoothers/graph/chain_step.h"
 #include "tests/smoothers/fixture/cameras.h"
 
 namespace slammot {
@@ -93,6 +94,34 @@ TEST_F(CostFunctions, OfCameras) {
     for (const SmallVector& block : blocks_of(b)) both.push_back(block);
     const Matrix12d weight = square_root_information(camera_noise({1.0, 1.0}, a, 0.1));
     expect_gradients(*camera_motion_cost(weight, 0.1), both);
+    expect_gradients(*camera_motion_cost(weight, 0.1, 1.3), both);  // in units of the speed
+  }
+}
+
+// In units of the speed a step costs the same in a world of any size, but for e.
+TEST_F(CostFunctions, NoiseInUnitsOfTheSpeedHasNoScale) {
+  for (int k = 0; k < 40; ++k) {
+    draw();
+    a.velocity *= 10.0;
+    b = boxplus(predict(a, 0.1), Vector12d(normals(12, 0.05)));
+    const auto both = [&](double scale) {
+      std::vector<SmallVector> blocks;
+      for (CameraState x : {a, b}) {
+        x.position *= scale;
+        x.velocity *= scale;
+        for (const SmallVector& block : blocks_of(x)) blocks.push_back(block);
+      }
+      return blocks;
+    };
+    const Matrix12d weight = square_root_information(camera_noise({1.0, 1.0}, a, 0.1));
+    const auto in_units = camera_motion_cost(weight, 0.1, b.velocity.norm());
+    const Eigen::VectorXd r = residuals(*in_units, both(1.0), nullptr);
+    EXPECT_LT((residuals(*in_units, both(3.0), nullptr) - r).norm(), 1e-3 * r.norm());
+    const auto in_metres = camera_motion_cost(weight, 0.1);
+    EXPECT_LT((residuals(*in_metres, both(1.0), nullptr) - r).norm(), 1e-3 * r.norm());
+    const Eigen::Vector3d linear = r.segment<3>(kVelocity);
+    EXPECT_GT(residuals(*in_metres, both(3.0), nullptr).segment<3>(kVelocity).norm(),
+              2.9 * linear.norm());
   }
 }
 
@@ -134,8 +163,10 @@ TEST_F(CostFunctions, OfStaticLandmarks) {
   }
 }
 
+// Of motions in metres also in units of the distance.
 TEST_F(CostFunctions, OfFreeLandmarks) {
   for (const LandmarkFunctions& landmark : landmark_table()) {
+    models.noise_tells_scale = !landmark.motion_in_metres;
     SCOPED_TRACE(std::string(landmark.name) + " " + std::string(landmark.point.name));
     models.landmark = &landmark;
     for (int k = 0; k < 10; ++k) {
@@ -148,7 +179,12 @@ TEST_F(CostFunctions, OfFreeLandmarks) {
       for (ChainStep& step : chain) {
         step.dt = 0.1;
         step.G = landmark.noise_root(x, LandmarkPrior{}, 0.1);
+        step.unit = landmark.motion_in_metres ? 0.7 * unit_of_motion(models, y) : 0.0;
       }
+      MotionPrior prior;
+      prior.sigmas = MotionVector::LinSpaced(landmark.motion, 1.0, 2.5);
+      prior.unit = landmark.motion_in_metres ? 0.3 : 0.0;
+      expect_gradients(*motion_prior_cost(models, prior), {y, w});
       for (int depth = 1; depth <= 3; ++depth) {
         blocks.emplace_back(normals(landmark.dim(), 1.0));
         expect_gradients(*chain_pixel_cost(models, {{300, 200}, false}, chain, depth), blocks);

@@ -43,7 +43,7 @@ TEST(ScaleCheck, FirstVelocityAndMeanDepthTellTheScale) {
 // itself, and by a metre across.
 const Eigen::Vector3d kAhead = Eigen::Vector3d(2.0, -1.0, 2.0) / 3.0;
 constexpr int kLength = 20;
-const StatedScale kStated{.information = 100.0, .acceleration = 1.0};  // to 10%
+constexpr StatedScale kStated{.information = 100.0, .acceleration = 1.0};  // to 10%
 
 CameraEstimate gone(int frame, double share) {
   const double way = 0.5 * frame;
@@ -112,25 +112,6 @@ TEST(ScaleCheck, OfABatchItsSmoothedPoses) {
   EXPECT_TRUE(scale_warning(run, kStated));
   std::swap(run.smoothed, run.filtered);
   EXPECT_FALSE(scale_warning(run, kStated));
-}
-
-// 0.5 m/s ahead, for what was stated to 0.05.
-TEST(ScaleCheck, ABatchWithAnotherFirstVelocity) {
-  RunResult run = straight(0.1);
-  StatedScale stated = kStated;
-  stated.velocity = 0.69 * kAhead;
-  stated.velocity_sigma = 0.05;
-  EXPECT_FALSE(scale_warning(run, stated));  // a filter's is the stated one
-  run.batch = true;
-  run.smoothed = run.filtered;
-  EXPECT_FALSE(scale_warning(run, stated));  // 3.8 sigma
-  stated.velocity = 0.74 * kAhead;
-  const auto warning = scale_warning(run, stated);
-  ASSERT_TRUE(warning);
-  EXPECT_EQ(warning->frame, 100);
-  EXPECT_THAT(warning->reason, HasSubstr("first velocity, 0.5 m/s, is 4.8 sigma"));
-  stated.velocity_sigma = 0.0;  // not stated
-  EXPECT_FALSE(scale_warning(run, stated));
 }
 
 TEST(ScaleCheck, WhatIsNotStatedOrHasNotMovedIsNoReason) {
