@@ -74,12 +74,13 @@ class CameraMotionCost final : public ceres::SizedCostFunction<12, 3, 4, 6, 3, 4
     r = camera_motion_residual(weight_, dt_, camera_of(x), to, jacobians ? &J_from : nullptr,
                                &J_to);
     const double e = unknown_speed(weight_);
-    const double factor = speed_ > 0.0 ? speed_ / unit_of_speed(to.velocity, e) : 1.0;
+    const double factor = speed_ > 0.0 ? ratio_of_units(speed_, to.velocity, e) : 1.0;
     scale_linear_part(factor, r);
     if (!jacobians) return true;
     scale_linear_part(factor, J_from);
     scale_linear_part(factor, J_to);
-    if (speed_ > 0.0) leave_out_scale(to.velocity, e, r, J_to);
+    const bool is_limited = factor == kLeastOfUnits || factor == kMostOfUnits;
+    if (speed_ > 0.0 && !is_limited) leave_out_scale(to.velocity, e, r, J_to);
     write_camera(jacobians, 0, x, J_from);
     write_camera(jacobians, 3, x, J_to);
     return true;

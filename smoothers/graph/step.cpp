@@ -3,7 +3,6 @@
 
 #include "smoothers/graph/chain_step.h"
 #include "smoothers/graph/graph.h"
-#include "smoothers/scale/noise_scale.h"
 
 namespace slammot {
 
@@ -99,13 +98,11 @@ StepOutcome Graph::try_step() {
     outcome.square += initial_camera_residual(initial->initial, candidate(initial->camera), nullptr)
                           .squaredNorm();
   }
+  // In metres, whatever the Jacobians are in: a step that is far too long must not make its own
+  // noise cheap (noise_scale.h).
   for (const CameraMotionFactor& f : motions) {
-    const CameraState to = candidate(f.to);
-    Vector12d r = camera_motion_residual(f.weight, f.dt, candidate(f.from), to, nullptr, nullptr);
-    if (!models_.noise_tells_scale) {  // in units of the speed here, as the Jacobians are
-      const double e = unknown_speed(f.weight);
-      scale_linear_part(unit_of_speed(camera(f.to).velocity, e) / unit_of_speed(to.velocity, e), r);
-    }
+    const Vector12d r = camera_motion_residual(f.weight, f.dt, candidate(f.from), candidate(f.to),
+                                               nullptr, nullptr);
     outcome.add(r, f.r + motion_change(variables, f));
     outcome.square += r.squaredNorm();
   }

@@ -19,12 +19,15 @@
 //   r_v u(v^) / u(v1),   u(v) = (|v|^2 + e^2)^(1/2).
 //
 // Ceres (the batch, `window.solver=ceres`) minimises it, takes v^ = v1 there, and so on until v1
-// stays; our own solver takes v^ in every step.
+// stays; our own solver takes v^ in every step. A camera that sets off from rest would have its
+// noise for nothing: there the ratio is 0.9 at least and 1.1 at most, and our own solver judges
+// steps by the cost in metres.
 //
 // Motions of landmarks in metres are in units as well, of their distance, and by a cost of their
 // own (smoothers/graph/chain_step.h).
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "estimation/estimator.h"
@@ -43,12 +46,19 @@ inline double unknown_speed(const Matrix12d& weight) {
   return kOfAStep / weight(kVelocity, kVelocity);
 }
 
+inline constexpr double kLeastOfUnits = 0.9, kMostOfUnits = 1.1;
+
 // u(v) [m/s], `sigma` being e.
 inline double unit_of_speed(const Eigen::Vector3d& velocity, double sigma) {
   return std::sqrt(velocity.squaredNorm() + sigma * sigma);
 }
 
-// Of the linear part: rows of r or of its Jacobians times `factor`, u(v^) / u(v1).
+// u(v^) / u(v1), within its limits.
+inline double ratio_of_units(double unit, const Eigen::Vector3d& velocity, double sigma) {
+  return std::clamp(unit / unit_of_speed(velocity, sigma), kLeastOfUnits, kMostOfUnits);
+}
+
+// Of the linear part: rows of r or of its Jacobians times `factor`.
 template <typename Rows>
 void scale_linear_part(double factor, Rows& rows) {
   for (const int part : {kPosition, kVelocity}) rows.template middleRows<3>(part) *= factor;

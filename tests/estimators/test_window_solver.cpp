@@ -33,15 +33,12 @@ std::unique_ptr<Estimator> window_with(WindowSolver solver, const Sequence& sequ
 // d^2 / 2 above it. Ceres stops where the cost no longer changes, some of these short of the
 // minimum in directions in which it converges slowly.
 constexpr double kCost = 500.0;  // of a window of these tests
-constexpr double kTimesRounding = 30.0;
-
-double rounding_of_minimum(double cost) {
-  return std::sqrt(2.0 * std::numeric_limits<double>::epsilon() * cost);
-}
+const double kOfRounding = 10.0 * std::sqrt(2.0 * std::numeric_limits<double>::epsilon() * kCost);
 
 // In all frames but the first few, where depths are hardly known: both go on for as many iterations
 // as they may there.
-void expect_same_runs(const Sequence& sequence, const Configuration& configuration, int first_few) {
+void expect_same_runs(const Sequence& sequence, const Configuration& configuration, int first_few,
+                      double of_first, double bound) {
   const auto own = window_with(WindowSolver::kOwn, sequence, configuration);
   const auto ceres = window_with(WindowSolver::kCeres, sequence, configuration);
   NoStages stages;
@@ -66,8 +63,8 @@ void expect_same_runs(const Sequence& sequence, const Configuration& configurati
   }
   std::printf("largest difference: %.2g in the first %d frames, then %.2g\n", worst_of_first,
               first_few, worst);
-  EXPECT_LT(worst_of_first, 1e-4);
-  EXPECT_LT(worst, kTimesRounding * rounding_of_minimum(kCost));
+  EXPECT_LE(worst_of_first, of_first);
+  EXPECT_LT(worst, bound);
   EXPECT_GT(decided, 5);
 }
 
@@ -75,15 +72,16 @@ TEST(WindowSolver, IsThatOfCeresOnCircle) {
   Configuration configuration;
   configuration.window.iterations = 200;
   expect_same_runs(simulate("circle", {{"frames", "25"}, {"first_moving", "0"}}, 2), configuration,
-                   0);
+                   0, 0.0, kOfRounding);
 }
 
-// Noises in units of the world (noise_scale.h).
+// Noises in units of the world: our own judges its steps in metres, and refuses some of the last
+// ones (noise_scale.h).
 TEST(WindowSolver, IsThatOfCeresWhereOnlyTheVelocityTellsTheScale) {
   Configuration configuration;
   configuration.window.iterations = 1000;
   expect_same_runs(simulate("circle", {{"frames", "14"}, {"known", "0"}, {"first_moving", "0"}}, 2),
-                   configuration, 5);
+                   configuration, 5, 2e-3, 2e-2);
 }
 
 // Its first 25 frames; the whole takes minutes.
@@ -92,7 +90,8 @@ TEST(WindowSolver, IsThatOfCeresOnARecording) {
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
   Configuration configuration;
   configuration.window.iterations = 1000;
-  expect_same_runs(select_frames(read_sequence(folder), 0, 24, 1), configuration, 5);
+  expect_same_runs(select_frames(read_sequence(folder), 0, 24, 1), configuration, 5, 1e-4,
+                   kOfRounding);
 }
 
 TEST(WindowSolver, CeresNeedsTheJacobiansOfTheCost) {
