@@ -139,12 +139,12 @@ double Batch::refresh_noises() {
   return change;
 }
 
-// Until neither the noises change nor the measurements that can be evaluated.
+// Until neither the noises nor their units change, nor the measurements that can be evaluated.
 void Batch::solve() {
   int left = kMaxIterations, waited = -1;
   for (;;) {
     const auto [waiting, iterations, has_converged] = solve_with_ceres(graph_, left);
-    const bool has_settled = has_converged && refresh_noises() <= kNegligibleNoise;
+    const bool has_settled = refresh_noises() <= kNegligibleNoise && has_converged;
     if (has_settled && (waiting == 0 || waiting == waited)) return;
     leave_out_poles();
     waited = waiting;

@@ -2,6 +2,9 @@
 
 #include <ceres/solver.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "estimation/estimator.h"
 #include "smoothers/ceres/cost_functions.h"
 #include "smoothers/ceres/manifolds.h"
@@ -44,6 +47,8 @@ double largest_change(const std::vector<double>& before, const std::vector<doubl
   }
   return largest;
 }
+
+constexpr double kSameSpeed = 1e-7;  // a relative change of it
 
 // Adds a graph's factors to a problem.
 class Builder {
@@ -167,21 +172,14 @@ class Builder {
 CeresProblem ceres_problem(Graph& graph) { return Builder(graph).build(); }
 
 CeresSolution solve_with_ceres(Graph& graph, int max_iterations, double function_tolerance) {
-  int iterations = 0;
-  for (;;) {
-    const std::vector<double> before = speeds(graph);
-    const CeresProblem built = ceres_problem(graph);
-    ceres::Solver::Summary summary;
-    ceres::Solve(solver_options(max_iterations - iterations, function_tolerance),
-                 built.problem.get(), &summary);
-    if (!summary.IsSolutionUsable()) throw Diverged("no solution: " + summary.message);
-    iterations += static_cast<int>(summary.iterations.size());
-    const bool has_converged = summary.termination_type == ceres::CONVERGENCE;
-    const bool has_settled = largest_change(before, speeds(graph)) <= kNegligibleNoise;
-    if (has_settled || iterations >= max_iterations) {
-      return {built.waiting, iterations, has_converged && has_settled};
-    }
-  }
+  const std::vector<double> before = speeds(graph);
+  const CeresProblem built = ceres_problem(graph);
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver_options(max_iterations, function_tolerance), built.problem.get(), &summary);
+  if (!summary.IsSolutionUsable()) throw Diverged("no solution: " + summary.message);
+  const bool has_settled = largest_change(before, speeds(graph)) <= kSameSpeed;
+  return {built.waiting, static_cast<int>(summary.iterations.size()),
+          summary.termination_type == ceres::CONVERGENCE && has_settled};
 }
 
 }  // namespace slammot

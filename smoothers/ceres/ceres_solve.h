@@ -19,12 +19,12 @@ CeresProblem ceres_problem(Graph& graph);
 struct CeresSolution {
   int waiting = 0;
   int iterations = 0;
-  bool has_converged = false;
+  bool has_converged = false;  // and the speeds, in whose units the noise was, have stayed
 };
 
 // Lowers the cost until a step lowers it by less than `function_tolerance` of it or changes
-// nothing, again with the noise in units of these speeds until they stay (noise_scale.h), or for
-// `max_iterations`. Throws Diverged when Ceres fails. One thread, so that the
+// nothing, or for `max_iterations`, with the noise in units of the speeds where it began
+// (noise_scale.h). Throws Diverged when Ceres fails. One thread, so that the
 // result is always the same.
 CeresSolution solve_with_ceres(Graph& graph, int max_iterations, double function_tolerance = 1e-14);
 

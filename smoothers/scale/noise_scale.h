@@ -20,8 +20,8 @@
 //
 // Ceres (the batch, `window.solver=ceres`) minimises it, takes v^ = v1 there, and so on until v1
 // stays; our own solver takes v^ in every step. A camera that sets off from rest would have its
-// noise for nothing: there the ratio is 0.9 at least and 1.1 at most, and our own solver judges
-// steps by the cost in metres.
+// noise for nothing. So in one solution the ratio is 0.9 at least and 1.1 at most, and v^ follows
+// to the minimum nearby; and our own solver judges steps by the cost in metres.
 //
 // Motions of landmarks in metres are in units as well, of their distance, and by a cost of their
 // own (smoothers/graph/chain_step.h).

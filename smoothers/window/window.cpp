@@ -154,10 +154,16 @@ int Window::minimise() {
   if (options_.solver == WindowSolver::kOwn) {
     return optimiser_(graph_, newest, options_.iterations, options_.linearisation_error);
   }
-  const CeresSolution solution = solve_with_ceres(graph_, kCeresIterations, kCeresTolerance);
+  int iterations = 0;
+  for (bool has_converged = false; !has_converged && iterations < kCeresIterations;) {
+    const CeresSolution solution =
+        solve_with_ceres(graph_, kCeresIterations - iterations, kCeresTolerance);
+    iterations += solution.iterations;
+    has_converged = solution.has_converged;
+  }
   graph_.linearise();
   optimiser_.take_step(graph_, newest);
-  return solution.iterations + 1;
+  return iterations + 1;
 }
 
 // Graph::is_at_pole(). Where every step is taken, none is held back by a pole.
@@ -214,7 +220,9 @@ void Window::in_force(InForce& result) const {
         acted_.relinearised);
   state("relinearisation by Ceres", "window.solver", uses_ceres, "", acted_.updated);
   state("first estimates", "window.linearisation", graph_.fixed_points(), "", acted_.held_points);
-  const char* because = setup_.prior.spread_follows_mean ? "landmarks known beforehand" : "";
+  const char* because = !setup_.prior.spread_follows_mean ? ""
+                        : setup_.known.empty()            ? "the scale is measured"
+                                                          : "landmarks known beforehand";
   state("scale kept by the noise (noise_scale.h)", "prior.spread",
         !graph_.models().noise_tells_scale, because, acted_.updated);
   state("scale kept while the estimate moves", "gauge", graph_.keeps_scale(),

@@ -72,7 +72,7 @@ TEST(WindowSolver, IsThatOfCeresOnCircle) {
   Configuration configuration;
   configuration.window.iterations = 200;
   expect_same_runs(simulate("circle", {{"frames", "25"}, {"first_moving", "0"}}, 2), configuration,
-                   0, 0.0, kOfRounding);
+                   0, 0.0, 1e-6);
 }
 
 // Noises in units of the world: our own judges its steps in metres, and refuses some of the last

@@ -189,6 +189,10 @@ TEST_F(CostFunctions, OfFreeLandmarks) {
       prior.sigmas = MotionVector::LinSpaced(landmark.motion, 1.0, 2.5);
       prior.unit = landmark.motion_in_metres ? 0.3 : 0.0;
       expect_gradients(*motion_prior_cost(models, prior), {y, w});
+      if (!lacks_infinity(landmark.point)) {  // so far away that the unit stays
+        const SmallVector far = landmark.point.of({0.2, 0.1, 1.0}, 1e-4, Eigen::Vector3d::Zero());
+        expect_gradients(*motion_prior_cost(models, prior), {far, w});
+      }
       for (int depth = 1; depth <= 3; ++depth) {
         blocks.emplace_back(normals(landmark.dim(), 1.0));
         expect_gradients(*chain_pixel_cost(models, {{300, 200}, false}, chain, depth), blocks);

@@ -97,7 +97,7 @@ TEST_P(GraphLinearisation, GoesAlongWithAStep) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, GraphLinearisation,
-                         testing::Combine(testing::ValuesIn(test::models()), testing::Bool()));
+                         testing::Combine(testing::ValuesIn(test::every_model()), testing::Bool()));
 
 // A landmark that has been at rest all the time: its measurements are those of one point, and are
 // linearised as such.
