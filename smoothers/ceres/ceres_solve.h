@@ -24,8 +24,8 @@ struct CeresSolution {
 
 // Lowers the cost until a step lowers it by less than `function_tolerance` of it or changes
 // nothing, or for `max_iterations`, with the noise in units of the speeds where it began
-// (noise_scale.h). Throws Diverged when Ceres fails. One thread, so that the
-// result is always the same.
+// (noise_scale.h). Throws Diverged when Ceres fails. One thread, so that the result is always the
+// same.
 CeresSolution solve_with_ceres(Graph& graph, int max_iterations, double function_tolerance = 1e-14);
 
 }  // namespace slammot

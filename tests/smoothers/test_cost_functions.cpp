@@ -167,7 +167,7 @@ TEST_F(CostFunctions, OfStaticLandmarks) {
   }
 }
 
-// Of motions in metres also in units of the distance.
+// Those whose motion is in metres: in units of the distance.
 TEST_F(CostFunctions, OfFreeLandmarks) {
   for (const LandmarkFunctions& landmark : landmark_table()) {
     models.noise_tells_scale = !landmark.motion_in_metres;
